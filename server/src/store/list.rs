@@ -278,12 +278,14 @@ impl Words {
         {
             let mut query = Builder::new("SELECT COUNT(*) FROM (");
             query.append(rows);
-            let found = counted(query, few.max(rare), connection).await?;
-            if found <= rare {
+            // an index that does not decide is slow to be counted
+            let is_decided = text.is_decided();
+            let most = if is_decided { rare } else { rare.min(2 * few) };
+            let found = counted(query, few.max(most), connection).await?;
+            if found <= most {
                 text.set_rare();
             }
-            let is_alone = !self.sees_a_part() && self.has_text_alone();
-            if found <= few || is_alone {
+            if found <= few || (is_decided && self.has_text_alone()) {
                 return Ok(found <= few);
             }
         }

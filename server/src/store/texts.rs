@@ -39,9 +39,14 @@ impl Text {
         }
     }
 
-    /// The statement for one row of each job that the index alone finds, where it decides.
+    /// Whether what the index leads to is all that holds the text, and nothing else.
+    pub(super) fn is_decided(&self) -> bool {
+        self.texts.index_decides
+    }
+
+    /// The statement for a row of each job that the index leads to.
     pub(super) fn rows_found(&self) -> Option<Builder> {
-        (self.is_indexed() && self.texts.index_decides).then(|| {
+        self.is_indexed().then(|| {
             let mut query = Builder::new("SELECT 1 FROM job_texts t WHERE ");
             self.push_found(&mut query);
             query
@@ -108,11 +113,12 @@ impl Text {
     /// The same where very many jobs `n.seq` are at hand. The index is slow to be asked for one after the other:
     /// what is rare, or has letters with accents, is looked up in it once, all else looked for in the job itself.
     pub(super) fn push_among_many(&self, query: &mut Builder) {
-        if !self.is_indexed() || !self.texts.index_decides {
+        if !self.is_indexed() {
             self.push(query);
-        } else if self.typed.is_ascii() && !self.is_rare {
-            self.push_held(query);
-        } else {
+            return;
+        }
+        let is_sought = self.is_rare || (self.is_decided() && !self.typed.is_ascii());
+        if is_sought {
             // before the job itself is read
             let number = self.number();
             query.push(format!(
@@ -120,6 +126,9 @@ impl Text {
             ));
             self.push_found(query);
             query.push(")");
+        }
+        if !is_sought || !self.is_decided() {
+            self.push_held(query);
         }
     }
 
