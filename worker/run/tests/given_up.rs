@@ -71,8 +71,10 @@ fn is_given_up_in_time(what: &str, job: &Value) {
     let drawn = preview(&spec, &looks).unwrap_or_else(|halt| panic!("{what}: {halt:?}"));
     assert!(!drawn.files.is_empty(), "{what}");
     let (count, longest) = looks.ended();
-    println!("{what}: {parts} parts, {count} looks, at most {longest:.2?} apart");
-    assert!(longest < LONGEST, "{what}: {longest:.1?} without a look");
+    assert!(
+        longest < LONGEST,
+        "{what}, {parts} parts, {count} looks: {longest:.1?} without one"
+    );
     for look in [1, count / 2] {
         let looks = Looks::until(look);
         let halted = preview(&spec, &looks);
