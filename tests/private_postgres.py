@@ -99,6 +99,11 @@ class Postgres:
     def ask(self, text: str) -> str:
         return self.run("psql", *self.here, "-d", "lab", "-Atc", text).strip()
 
+    @property
+    def process(self) -> int:
+        """That which has started all others."""
+        return int((self.data / "postmaster.pid").read_text().split()[0])
+
     def completed_twice(self) -> int:
         """Jobs of which more than one attempt was completed."""
         return int(self.ask("""SELECT COUNT(*) FROM (SELECT job FROM attempts WHERE end_reason = 'completed'

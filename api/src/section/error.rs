@@ -57,6 +57,12 @@ pub enum CompositeError {
     /// The supports leave the section free to move as a whole.
     #[error("the supports let the section {motion}: fix it where it could move")]
     Unsupported { motion: &'static str },
+    /// A grid that is not to be made as large as that.
+    #[error("the grid has {cells} cells, and at most {most} are laid out here")]
+    TooManyCells { cells: usize, most: usize },
+    /// Nobody wants it any more.
+    #[error("what was being made is not wanted any more")]
+    GivenUp,
     /// The lattice yields without resistance, as far as double precision can tell.
     #[error(
         "the lattice yields without resistance at ({x_mm} mm, {y_mm} mm): bonds along edges alone do \

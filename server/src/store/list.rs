@@ -12,7 +12,7 @@ use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::jobs::{JobRow, SELECT_JOBS, hex_names, readable};
 use super::texts::Text;
-use super::{JobFilter, Store};
+use super::{JobFilter, Looks, Store};
 use crate::access::Sight;
 
 /// Longest page of a list.
@@ -246,23 +246,16 @@ impl Words {
             }
         };
         self.push_rest(&mut query, walk, Text::push);
-        if let Some(Moment {
-            at,
-            bounds_numbers: true,
-        }) = self.after
-        {
-            let first = "(SELECT MIN(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at > ";
-            query.push(format!(" AND {number} >= {first}"));
-            query.push_bind(at).push(")");
-        }
-        if let Some(Moment {
-            at,
-            bounds_numbers: true,
-        }) = self.before
-        {
-            let last = "(SELECT MAX(seq) FROM jobs INDEXED BY jobs_by_moment WHERE created_at < ";
-            query.push(format!(" AND {number} <= {last}"));
-            query.push_bind(at).push(")");
+        for (moment, sign, end) in [(self.after, '>', "MIN"), (self.before, '<', "MAX")] {
+            if let Some(moment) = moment
+                && moment.bounds_numbers
+            {
+                query.push(format!(
+                    " AND {number} {sign}= (SELECT {end}(seq) FROM jobs INDEXED BY jobs_by_moment
+                     WHERE created_at {sign} "
+                ));
+                query.push_bind(moment.at).push(")");
+            }
         }
         if let Some(before) = before {
             query.push(format!(" AND {number} < ")).push_bind(before);
@@ -273,7 +266,64 @@ impl Words {
         query
     }
 
-    /// The whole filter as a condition on the job `j`.
+    /// Whether few jobs pass the filter. Finds out beside it whether its text is rare.
+    pub(super) async fn leaves_few(
+        &mut self,
+        looks: Looks,
+        connection: &mut Connection,
+    ) -> Result<bool> {
+        let [few, rare] = [looks.few, looks.rare].map(i64::from);
+        if let Some(text) = &mut self.text
+            && let Some(rows) = text.rows_found()
+        {
+            let mut query = Builder::new("SELECT COUNT(*) FROM (");
+            query.append(rows);
+            // an index that does not decide is slow to be counted
+            let is_decided = text.is_decided();
+            let most = if is_decided { rare } else { rare.min(2 * few) };
+            let found = counted(query, few.max(most), connection).await?;
+            if found <= most {
+                text.set_rare();
+            }
+            if found <= few || (is_decided && self.has_text_alone()) {
+                return Ok(found <= few);
+            }
+        }
+        let walk = self.walk(connection).await?;
+        let mut query = Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM (");
+        query.append(self.statement("SELECT j.seq FROM ", walk, None, looks.few + 1));
+        query.push(") passed");
+        is_few(query, few, connection).await
+    }
+
+    /// Whether the text is all that the filter asks for.
+    fn has_text_alone(&self) -> bool {
+        let Self {
+            status,
+            outcome,
+            kind,
+            tag,
+            text: _,
+            after,
+            before,
+            sight,
+            project,
+            ..
+        } = self;
+        let sees_all = sight.as_ref().is_none_or(|sight| {
+            sight.everything && sight.not_in.is_empty() && sight.not_of.is_none()
+        });
+        let has_moment = after.is_some() || before.is_some();
+        let has_state = status.is_some() || outcome.is_some() || kind.is_some();
+        sees_all && !has_moment && !has_state && tag.is_none() && project.is_none()
+    }
+
+    /// Whether all jobs with its text are looked up at once.
+    pub(super) fn has_rare_text(&self) -> bool {
+        self.text.as_ref().is_some_and(Text::is_rare)
+    }
+
+    /// The whole filter as a condition on the job `j` with the number `n.seq`.
     pub(super) fn push_filter(&self, query: &mut Builder) {
         self.push_rest(query, Walk::Jobs, Text::push_among_many);
     }
@@ -289,11 +339,12 @@ impl Words {
         if let (Some(text), Walk::Jobs | Walk::Tag(_)) = (&self.text, walk) {
             push_text(text, query);
         }
-        if let Some(Moment { at, .. }) = self.after {
-            query.push(" AND j.created_at > ").push_bind(at);
-        }
-        if let Some(Moment { at, .. }) = self.before {
-            query.push(" AND j.created_at < ").push_bind(at);
+        for (moment, sign) in [(self.after, '>'), (self.before, '<')] {
+            if let Some(Moment { at, .. }) = moment {
+                query
+                    .push(format!(" AND j.created_at {sign} "))
+                    .push_bind(at);
+            }
         }
     }
 
@@ -360,14 +411,14 @@ impl Words {
 }
 
 /// Whether the rows of a count that is still open are no more than `few`.
-pub(super) async fn is_few(
-    mut query: Builder,
-    few: i64,
-    connection: &mut Connection,
-) -> Result<bool> {
-    query.push(" LIMIT ").push_bind(few + 1).push(") few");
-    let count: i64 = query.build_query_scalar().fetch_one(connection).await?;
-    Ok(count <= few)
+pub(super) async fn is_few(query: Builder, few: i64, connection: &mut Connection) -> Result<bool> {
+    Ok(counted(query, few, connection).await? <= few)
+}
+
+/// The rows of a count that is still open, or one more than `most`.
+async fn counted(mut query: Builder, most: i64, connection: &mut Connection) -> Result<i64> {
+    query.push(" LIMIT ").push_bind(most + 1).push(") few");
+    Ok(query.build_query_scalar().fetch_one(connection).await?)
 }
 
 impl Moment {

@@ -1,12 +1,15 @@
 //! What lists are sorted, filtered and widened by: values of specs and results, by JSON pointer.
 //!
 //! A pointer is `/spec/…` as in the spec of a job (RFC 6901), or `/summary/NAME`, a result's value. A part
-//! of digits alone is a place in a list. It is taken apart here, once, and goes into statements as a value.
+//! that is a whole number, written as such, is a place in a list. It is taken apart here, once, and goes into
+//! statements as a value.
 use std::fmt::Write;
 use std::str::FromStr;
 
 /// Longest pointer [bytes].
 const LONGEST: usize = 200;
+/// A place in a list has so many digits at most: databases count no further.
+const MOST_DIGITS: usize = 9;
 /// Longest text that is compared [bytes]: longer ones of specs are notes, no values.
 pub(super) const LONGEST_TEXT: usize = 500;
 
@@ -31,13 +34,18 @@ pub enum Root {
 #[non_exhaustive]
 pub enum PointerError {
     #[error(
-        "{0:?} is not /spec/… or /summary/NAME, with parts of up to 200 bytes in all and without quotes"
+        "{0:?} is not /spec/… or /summary/NAME, with parts of up to 200 bytes in all, without quotes and \
+         control characters, ~ as ~0 and / as ~1, and places in lists of up to {MOST_DIGITS} digits"
     )]
     Pointer(String),
     #[error("{0:?} is not a pointer, one of = != < <= > >=, and a value")]
     Condition(String),
     #[error("{0:?} is not a number: only numbers are less or more")]
     NoNumber(String),
+    #[error("{0:?} is a number beyond 1.8e308: write it in quotes if it is a text")]
+    LargeNumber(String),
+    #[error("{0:?} has a zero character, which no value of a job has")]
+    Zero(String),
     #[error("a text of {0} bytes is compared with nothing: at most {LONGEST_TEXT}")]
     LongText(usize),
 }
@@ -70,7 +78,8 @@ impl FromStr for Pointer {
 
     fn from_str(text: &str) -> Result<Self, PointerError> {
         let refused = || PointerError::Pointer(text.to_owned());
-        let is_plain = text.len() <= LONGEST && !text.contains(['"', '\0', '\\']);
+        let is_strange = |c: char| c.is_control() || c == '"' || c == '\\';
+        let is_plain = text.len() <= LONGEST && !text.contains(is_strange);
         let mut parts = text.split('/');
         if !is_plain || parts.next() != Some("") {
             return Err(refused());
@@ -80,9 +89,8 @@ impl FromStr for Pointer {
             Some("summary") => Root::Results,
             _ => return Err(refused()),
         };
-        let parts: Vec<String> = parts
-            .map(|part| part.replace("~1", "/").replace("~0", "~"))
-            .collect();
+        let parts: Option<Vec<String>> = parts.map(unescaped).collect();
+        let parts = parts.ok_or_else(refused)?;
         let is_whole = match root {
             Root::Spec => !parts.is_empty(),
             // the value is all that a result is sorted by
@@ -93,7 +101,13 @@ impl FromStr for Pointer {
         }
         let mut path = "$".to_owned();
         for part in &parts {
-            let is_place = root == Root::Spec && part.bytes().all(|byte| byte.is_ascii_digit());
+            let is_number = part.bytes().all(|byte| byte.is_ascii_digit());
+            // with zeros before it, it is a name
+            let is_place =
+                root == Root::Spec && is_number && (part == "0" || !part.starts_with('0'));
+            if is_place && part.len() > MOST_DIGITS {
+                return Err(refused());
+            }
             // writing to a text does not fail
             let _ = match is_place {
                 true => write!(path, "[{part}]"),
@@ -109,6 +123,22 @@ impl FromStr for Pointer {
             path,
         })
     }
+}
+
+/// A part of a pointer as the name that it stands for; nothing where a `~` is neither `~0` nor `~1`.
+fn unescaped(part: &str) -> Option<String> {
+    let mut pieces = part.split('~');
+    let mut name = pieces.next()?.to_owned();
+    for piece in pieces {
+        let (sign, rest) = piece.split_at_checked(1)?;
+        name.push(match sign {
+            "0" => '~',
+            "1" => '/',
+            _ => return None,
+        });
+        name.push_str(rest);
+    }
+    Some(name)
 }
 
 /// How a value is compared.
@@ -173,23 +203,28 @@ impl FromStr for Condition {
         let found = known.find_map(|(sign, of)| Some((of, rest.strip_prefix(sign)?)));
         let (comparison, value) = found.ok_or_else(refused)?;
         let value = value.trim();
-        if value.is_empty() {
+        // `==` and `=>` are no comparisons
+        if value.is_empty() || value.starts_with(['=', '<', '>', '!']) {
             return Err(refused());
         }
-        let number = value
-            .parse::<f64>()
-            .ok()
-            .filter(|number| number.is_finite());
-        let operand = match (value, number) {
-            (_, Some(number)) => Operand::Number(number),
+        let operand = match (value, value.parse::<f64>()) {
+            (_, Ok(number)) if number.is_finite() => Operand::Number(number),
+            // words such as `inf` are none
+            (_, Ok(_)) if value.bytes().any(|byte| byte.is_ascii_digit()) => {
+                return Err(PointerError::LargeNumber(value.to_owned()));
+            }
             ("true", _) => Operand::Truth(true),
             ("false", _) => Operand::Truth(false),
-            _ => Operand::Text(value.trim_matches('"').to_owned()),
+            _ => Operand::Text(unquoted(value).to_owned()),
         };
-        if let Operand::Text(text) = &operand
-            && text.len() > LONGEST_TEXT
-        {
-            return Err(PointerError::LongText(text.len()));
+        match &operand {
+            Operand::Text(text) if text.len() > LONGEST_TEXT => {
+                return Err(PointerError::LongText(text.len()));
+            }
+            Operand::Text(text) if text.contains('\0') => {
+                return Err(PointerError::Zero(text.clone()));
+            }
+            _ => {}
         }
         let is_ordered = !matches!(comparison, Comparison::Equal | Comparison::NotEqual);
         if is_ordered && !matches!(operand, Operand::Number(_)) {
@@ -201,6 +236,14 @@ impl FromStr for Condition {
             operand,
         })
     }
+}
+
+/// A text without the quotes around it.
+fn unquoted(text: &str) -> &str {
+    let inner = text
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'));
+    inner.unwrap_or(text)
 }
 
 /// What jobs are sorted by; those without the value come last of all, either way.
@@ -244,6 +287,12 @@ mod tests {
                 Root::Spec,
                 "$.\"materials\".\"a/b~c\"",
             ),
+            // a name that reads like an escape, and names of digits that are no places
+            ("/spec/a~01/b", Root::Spec, "$.\"a~1\".\"b\""),
+            ("/spec/a/007", Root::Spec, "$.\"a\".\"007\""),
+            ("/spec/a/0", Root::Spec, "$.\"a\"[0]"),
+            ("/spec/a/999999999", Root::Spec, "$.\"a\"[999999999]"),
+            ("/spec/é%_'[*]", Root::Spec, "$.\"é%_'[*]\""),
             ("/summary/max_force", Root::Results, "$.\"max_force\".value"),
         ] {
             let pointer: Pointer = text.parse().expect(text);
@@ -260,6 +309,12 @@ mod tests {
             "/name",
             "/summary/a/b",
             "/spec/a\"b",
+            "/spec/a\nb",
+            "/spec/a\u{0}",
+            "/spec/a~2b",
+            "/spec/a~",
+            "/spec/a~\u{e9}",
+            "/spec/a/4294967296",
             "/summary",
             &long,
         ] {
@@ -297,6 +352,21 @@ mod tests {
                 Comparison::Equal,
                 Operand::Text("3 mm".to_owned()),
             ),
+            (
+                "/spec/a=\"1e999\"",
+                Comparison::Equal,
+                Operand::Text("1e999".to_owned()),
+            ),
+            (
+                "/spec/a=5\"",
+                Comparison::Equal,
+                Operand::Text("5\"".to_owned()),
+            ),
+            (
+                "/spec/a=nan",
+                Comparison::Equal,
+                Operand::Text("nan".to_owned()),
+            ),
         ] {
             let condition: Condition = text.parse().expect(text);
             assert_eq!(
@@ -313,6 +383,11 @@ mod tests {
             "/spec/a<b",
             "/spec/a<true",
             "/spec/a<inf",
+            "/spec/a=1e999",
+            "/spec/a=-1e999",
+            "/spec/a<NaN",
+            "/spec/a=x\u{0}y",
+            "/spec/a==3",
         ] {
             assert!(wrong.parse::<Condition>().is_err(), "{wrong}");
         }

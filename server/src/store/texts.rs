@@ -20,6 +20,8 @@ pub(super) struct Text {
     is_found: bool,
     /// First and last id that begin so, if enough of it is given.
     ids: Option<[Uuid; 2]>,
+    /// Whether those that the index leads to are few enough to be all looked up at once.
+    is_rare: bool,
     texts: &'static Texts,
 }
 
@@ -32,8 +34,32 @@ impl Text {
             is_found,
             ids: ids_beginning_with(&typed),
             typed,
+            is_rare: false,
             texts,
         }
+    }
+
+    /// Whether what the index leads to is all that holds the text, and nothing else.
+    pub(super) fn is_decided(&self) -> bool {
+        self.texts.index_decides
+    }
+
+    /// The statement for a row of each job that the index leads to.
+    pub(super) fn rows_found(&self) -> Option<Builder> {
+        self.is_indexed().then(|| {
+            let mut query = Builder::new("SELECT 1 FROM job_texts t WHERE ");
+            self.push_found(&mut query);
+            query
+        })
+    }
+
+    /// Has all that the index leads to looked up at once from now on.
+    pub(super) fn set_rare(&mut self) {
+        self.is_rare = true;
+    }
+
+    pub(super) fn is_rare(&self) -> bool {
+        self.is_rare
     }
 
     /// Whether walking the index of texts finds all of it.
@@ -84,20 +110,25 @@ impl Text {
         }
     }
 
-    /// The same where very many jobs are at hand. The index is slow to be asked for one after the other: what
-    /// consists of letters without accents is looked for in the job itself, all else once in the index.
+    /// The same where very many jobs `n.seq` are at hand. The index is slow to be asked for one after the other:
+    /// what is rare, or has letters with accents, is looked up in it once, all else looked for in the job itself.
     pub(super) fn push_among_many(&self, query: &mut Builder) {
-        if !self.is_indexed() || !self.texts.index_decides {
+        if !self.is_indexed() {
             self.push(query);
-        } else if self.typed.is_ascii() {
-            self.push_held(query);
-        } else {
+            return;
+        }
+        let is_sought = self.is_rare || (self.is_decided() && !self.typed.is_ascii());
+        if is_sought {
+            // before the job itself is read
             let number = self.number();
             query.push(format!(
-                " AND j.seq IN (SELECT {number} FROM job_texts t WHERE "
+                " AND n.seq IN (SELECT {number} FROM job_texts t WHERE "
             ));
             self.push_found(query);
             query.push(")");
+        }
+        if !is_sought || !self.is_decided() {
+            self.push_held(query);
         }
     }
 

@@ -56,6 +56,8 @@ pub struct Looks {
     pub read: u32,
     /// So many are looked at all at once.
     pub few: u32,
+    /// A text that no more jobs hold is looked up in its index at once.
+    pub rare: u32,
     /// Entries of an index that are walked.
     pub walked: u32,
 }
@@ -66,6 +68,7 @@ impl Default for Looks {
         Self {
             read: 5_000,
             few: 10_000,
+            rare: 50_000,
             walked: 20_000,
         }
     }

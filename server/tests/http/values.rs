@@ -1,4 +1,5 @@
 //! Lists by what specs and results say.
+use loadframe_api::JobKind;
 use loadframe_api::people::Visibility;
 use serde_json::{Value, json};
 use uuid::Uuid;
@@ -162,6 +163,18 @@ async fn what_is_no_pointer_is_refused_in_a_sentence() {
         ("sort=/spec/a,/spec/b", "sort: 2 values, of at most 1"),
         ("show=/spec", "is not /spec/"),
         ("show=/spec/a%22b", "without quotes"),
+        ("show=/spec/a%0Ab", "control characters"),
+        ("show=/spec/a~2b", "~ as ~0"),
+        ("sort=/spec/a/4294967296", "up to 9 digits"),
+        ("where=/spec/seed%3D1e999", "beyond 1.8e308"),
+        ("where=/spec/seed%3E-1e999", "beyond 1.8e308"),
+        ("where=/spec/seed%3CNaN", "only numbers are less or more"),
+        ("where=/spec/seed%3D%3D3", "is not a pointer, one of"),
+        ("where=/spec/a%3Dx%00y", "zero character"),
+        (
+            "where=/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1,/spec/a%3D1",
+            "11 values, of at most 10",
+        ),
     ] {
         let answer = lab.get(&format!("/v1/jobs?{query}")).await;
         let problem = answer.problem(422, "invalid-request");
@@ -171,6 +184,47 @@ async fn what_is_no_pointer_is_refused_in_a_sentence() {
     lab.get("/v1/jobs?sort=/spec/seed&cursor=7")
         .await
         .problem(422, "invalid-request");
+}
+
+#[tokio::test]
+async fn whatever_a_text_or_a_name_holds_is_compared_as_it_is() {
+    let lab = Lab::open().await;
+    let names = ["a/b", "a~b", "50 %", "x_y", "it's", "[*]", "é", "0", "007"];
+    let mut materials = serde_json::Map::new();
+    let mut job: Value =
+        serde_json::from_str(JobKind::CompositeBending.examples()[0].body).expect("JSON");
+    for (place, name) in names.iter().enumerate() {
+        materials.insert(
+            (*name).to_owned(),
+            json!({ "isotropic": { "youngs_modulus_mpa": 10 + place, "poisson_ratio": 0.3 } }),
+        );
+    }
+    let given = job["spec"]["materials"].as_object_mut().expect("materials");
+    given.append(&mut materials);
+    let answer = lab.post("/v1/jobs", &job.to_string()).await;
+    assert_eq!(answer.status, 201, "{answer:?}");
+    let id = id_of(&answer.json());
+    for (place, name) in names.iter().enumerate() {
+        let part = name.replace('~', "~0").replace('/', "~1");
+        let pointer = format!("/spec/materials/{part}/isotropic/youngs_modulus_mpa");
+        let found = listed(&lab, "where", &format!("{pointer}={}", 10 + place)).await;
+        // a whole number is a place in a list, and there is none
+        let expected = if *name == "0" { vec![] } else { vec![id] };
+        assert_eq!(found, expected, "{name}");
+        assert_eq!(listed(&lab, "sort", &pointer).await, [id], "{name}");
+    }
+    for text in [
+        "fill%",
+        "fill_r",
+        "'",
+        "filler' OR '1'='1",
+        "filler",
+        "\"filler\"",
+    ] {
+        let found = listed(&lab, "where", &format!("/spec/matrix={text}")).await;
+        let is_it = text.trim_matches('"') == "filler";
+        assert_eq!(found.len(), usize::from(is_it), "{text}");
+    }
 }
 
 #[tokio::test]

@@ -50,6 +50,7 @@ async fn submit(store: &Store, n: usize) -> Job {
     let examples = kind.examples();
     let example = examples.last().unwrap();
     let mut body: Value = serde_json::from_str(example.body).unwrap();
+    body["name"] = json!(if is_scene { "A scene" } else { "A quick look" });
     // with ties
     let seed = (n * 7 % 5) as u64;
     body["spec"]["seed"] = json!(seed);
@@ -121,13 +122,33 @@ fn filters() -> Vec<(&'static str, JobFilter)> {
                 ..JobFilter::default()
             },
         ),
+        ("a text of one kind", of_text("QUICK")),
+        ("a text of none", of_text("no such text")),
+        (
+            "a text of one kind, finished",
+            JobFilter {
+                status: Some(JobStatus::Finished),
+                ..of_text("quick")
+            },
+        ),
     ]
+}
+
+fn of_text(text: &str) -> JobFilter {
+    JobFilter {
+        q: Some(text.to_owned()),
+        ..JobFilter::default()
+    }
 }
 
 fn passes(filter: &JobFilter, job: &Job) -> bool {
     filter.status.is_none_or(|_| job.has_result)
         && filter.kind.is_none_or(|_| job.number.is_some())
         && filter.outcome.is_none()
+        && filter
+            .q
+            .as_ref()
+            .is_none_or(|text| text.eq_ignore_ascii_case("quick") && job.number.is_some())
 }
 
 /// A number or a word of a job; results of these jobs are all the same.
@@ -244,20 +265,23 @@ async fn lists_by_kept_values_are_those_of_all_specs_however_they_are_found() {
     assert_eq!(check(&lab.store, &jobs).await, 0);
     keep(&lab.store).await;
     assert_eq!(check(&lab.store, &jobs).await, 0);
-    // by walks, that stop and go on
-    let bounds = Looks {
-        read: 5,
-        few: 2,
-        walked: 5,
-    };
+    // by walks, that stop and go on; with texts that are looked up at once, and in the jobs
     let Lab { store, folder } = lab;
     drop(store);
-    let options = StoreOptions {
-        looks: bounds,
-        ..options(&folder, LONG)
-    };
-    let store = Store::open(options).await.unwrap();
-    assert!(check(&store, &jobs).await > 100);
+    for rare in [1, 1000] {
+        let bounds = Looks {
+            read: 5,
+            few: 2,
+            rare,
+            walked: 5,
+        };
+        let options = StoreOptions {
+            looks: bounds,
+            ..options(&folder, LONG)
+        };
+        let store = Store::open(options).await.unwrap();
+        assert!(check(&store, &jobs).await > 100);
+    }
 }
 
 #[tokio::test]
@@ -266,6 +290,7 @@ async fn what_a_person_sees_is_listed_by_values_and_nothing_else() {
         let lab = lab(Looks {
             read: 4,
             few,
+            rare: 2,
             walked: 6,
         })
         .await;
@@ -320,6 +345,7 @@ async fn a_list_by_a_new_value_says_that_it_is_being_gathered_and_is_whole_after
     let lab = lab(Looks {
         read: 6,
         few: 3,
+        rare: 3,
         walked: 1000,
     })
     .await;

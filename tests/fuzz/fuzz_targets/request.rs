@@ -6,6 +6,9 @@ mod database;
 #[path = "../../../server/tests/http/foreign.rs"]
 mod foreign;
 #[allow(dead_code)]
+#[path = "../../../server/tests/shared/outcome.rs"]
+mod outcome;
+#[allow(dead_code)]
 #[path = "../../../server/tests/http/support.rs"]
 mod support;
 

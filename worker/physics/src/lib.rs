@@ -50,7 +50,13 @@ pub fn preview(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<String, Halt> {
-    job_of(spec).preview(context, recorder)
+    let interrupt = context.interrupt;
+    let shows = job_of(spec).preview(context, recorder);
+    // as above; and of what looks for none while it is made
+    match (shows, interrupt.interrupt()) {
+        (_, Some(interrupt)) => Err(interrupt.into()),
+        (shows, None) => shows,
+    }
 }
 
 /// The spec with what its kind is computed by: its engine's run and its engine's preview.

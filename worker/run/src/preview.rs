@@ -1,8 +1,10 @@
 //! A specimen drawn before its job is submitted.
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 
 use loadframe_api::{JobSpec, Preview, PreviewFile};
-use loadframe_physics::{Decorator, Halt, InterruptSource, Recorder, RunContext, Unrecorded};
+use loadframe_physics::{
+    Decorator, Halt, InterruptSource, Recorder, RunContext, Unrecorded, Wanted,
+};
 
 /// Bytes of all files together: pictures of any part that is drawn have far fewer.
 const LARGEST: usize = 64_000_000;
@@ -12,15 +14,18 @@ const LARGEST: usize = 64_000_000;
 /// # Errors
 /// When there is no such specimen, or its pictures are too large; an interrupt.
 pub fn preview(spec: &JobSpec, interrupt: &dyn InterruptSource) -> Result<Preview, Halt> {
-    let mut album = Album::default();
+    let mut album = Album {
+        files: Vec::new(),
+        bytes: 0,
+        interrupt,
+        rest: Unrecorded,
+    };
     let context = RunContext {
         threads: 1,
         interrupt,
         checkpoint: None,
     };
     let shows = loadframe_physics::preview(spec, context, &mut album)?;
-    // of what looks for none while it is made
-    interrupt.heed()?;
     Ok(Preview {
         shows,
         files: album.files,
@@ -28,14 +33,14 @@ pub fn preview(spec: &JobSpec, interrupt: &dyn InterruptSource) -> Result<Previe
 }
 
 /// Keeps pictures in memory, and nothing else.
-#[derive(Debug, Default)]
-struct Album {
+struct Album<'a> {
     files: Vec<PreviewFile>,
     bytes: usize,
+    interrupt: &'a dyn InterruptSource,
     rest: Unrecorded,
 }
 
-impl Decorator for Album {
+impl Decorator for Album<'_> {
     fn inner(&self) -> &dyn Recorder {
         &self.rest
     }
@@ -52,8 +57,9 @@ impl Decorator for Album {
         if !name.ends_with(".vtp") {
             return Ok(());
         }
-        let mut content = Vec::new();
-        write(&mut content)?;
+        let mut out = BufWriter::new(Wanted::new(Vec::new(), self.interrupt));
+        write(&mut out)?;
+        let content = out.into_inner()?.into_inner();
         self.bytes += content.len();
         if self.bytes > LARGEST {
             let words = format!("its pictures take more than {LARGEST} bytes");

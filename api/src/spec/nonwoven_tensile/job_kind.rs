@@ -21,9 +21,15 @@ impl Spec for NonwovenTensile {
     }
 
     fn extent(&self) -> Extent {
+        let (bonds, nodes) = (self.fabric.bonds(), self.fabric.nodes());
+        // a network may have nodes that no bond ends in
+        let (parts, what) = match bonds >= nodes {
+            true => (bonds, "bonds"),
+            false => (nodes, "nodes"),
+        };
         Extent {
-            parts: self.fabric.bonds() as f64,
-            what: "bonds",
+            parts: parts as f64,
+            what,
         }
     }
 

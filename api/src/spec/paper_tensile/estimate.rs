@@ -1,8 +1,6 @@
 //! What a test takes: of one fibre factors of a narrow band, of a sheet a factor and a solution for
 //! every break.
-use super::expected::{
-    factor_entries, is_factored_truss, is_iterated, iterated_entries, memory_mb, motions,
-};
+use super::expected::{factor_entries, is_factored_truss, is_iterated, iterated_entries, motions};
 use super::{BondsAt, Level, PaperTensile, Placement, SingleFibre, SingleFibreLoad, Specimen};
 use crate::fibre::divide;
 use crate::{Calibration, Estimate, Extent, Sharing};
@@ -71,11 +69,10 @@ pub(super) fn extent(spec: &PaperTensile) -> Extent {
             };
         }
         Specimen::Explicit(sheet) => {
-            let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
             let nodes = match spec.level() {
                 // lines along and around from every point
                 Level::Tube => 2.0 * spec.as_tubes_points(),
-                Level::Beam | Level::Truss => points as f64,
+                Level::Beam | Level::Truss => sheet.points(spec.model.segment_um),
             };
             (nodes + sheet.bonds.len() as f64, 0.0)
         }
@@ -105,14 +102,8 @@ pub(super) fn estimate(spec: &PaperTensile, calibration: &Calibration) -> Estima
     match &spec.specimen {
         Specimen::SingleFibre(fibre) => of_fibre(spec, fibre, calibration),
         Specimen::Explicit(sheet) => {
-            let points: usize = sheet.fibres.iter().map(|f| f.centre_line_um.len()).sum();
-            let (points, bonds) = (points as f64, sheet.bonds.len() as f64);
-            let is_inside = spec.accuracy.knobs().bonds_at == BondsAt::Inside;
-            let nodes = match spec.level() {
-                Level::Tube => spec.as_tubes_points(),
-                Level::Beam | Level::Truss => points + if is_inside { 0.0 } else { 2.0 * bonds },
-            };
-            let memory_mb = memory_mb(spec, [0.0, bonds, 0.0], nodes * motions(spec));
+            let (nodes, memory_mb) = sheet.nodes(spec);
+            let bonds = sheet.bonds.len() as f64;
             of_sheet(spec, calibration, [0.0, bonds, nodes], memory_mb)
         }
         Specimen::Sheet(sheet) => {

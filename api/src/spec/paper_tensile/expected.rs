@@ -1,7 +1,7 @@
 //! How much a sheet will be, before it is made.
 use std::f64::consts::PI;
 
-use super::{BondsAt, Level, MadeSheet, PaperTensile, Placement, Pulp, Specimen};
+use super::{BondsAt, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp, Specimen};
 use crate::fibre::{OnInadmissible, Window, line_length_um};
 
 /// Entries that the engine keeps of breaks, however small the factor is, and how often an unknown has one
@@ -106,6 +106,40 @@ impl MadeSheet {
             total += laid;
         }
         (total, fibres)
+    }
+}
+
+impl ExplicitSheet {
+    /// Points of its fibres as beams or bars, with those between that keep segments short.
+    pub(super) fn points(&self, segment_um: Option<f64>) -> f64 {
+        let gaps = |line: &[[f64; 3]]| match segment_um {
+            None => line.len() as f64,
+            Some(longest) => {
+                let parts = |ends: &[[f64; 3]]| (line_length_um(ends) / longest).ceil().max(1.0);
+                1.0 + line.windows(2).map(parts).sum::<f64>()
+            }
+        };
+        self.fibres
+            .iter()
+            .map(|fibre| gaps(&fibre.centre_line_um))
+            .sum()
+    }
+
+    /// Points that hold its springs or beams together, and what they take [MB].
+    pub(super) fn nodes(&self, spec: &PaperTensile) -> (f64, f64) {
+        let bonds = self.bonds.len() as f64;
+        let is_inside = spec.accuracy.knobs().bonds_at == BondsAt::Inside;
+        let nodes = match spec.level() {
+            Level::Tube => spec.as_tubes_points(),
+            Level::Beam | Level::Truss => {
+                let of_bonds = if is_inside { 0.0 } else { 2.0 * bonds };
+                self.points(spec.model.segment_um) + of_bonds
+            }
+        };
+        (
+            nodes,
+            memory_mb(spec, [0.0, bonds, 0.0], nodes * motions(spec)),
+        )
     }
 }
 

@@ -95,6 +95,20 @@ pub(super) fn check_explicit(
         // bonds of fibres that are wrong say nothing more
         return;
     }
+    let (nodes, memory_mb) = sheet.nodes(spec);
+    if memory_mb > MOST_MB {
+        let detail = format!(
+            "the sheet would have about {nodes:.0} points and need {memory_mb:.0} MB of memory"
+        );
+        violations.push(
+            Violation::new("/model/segment_um", "too_large", detail)
+                .value(spec.model.segment_um)
+                .allowed(format!(
+                    "what takes at most {MOST_MB} MB: longer segments, or a smaller sheet"
+                ))
+                .unit("µm"),
+        );
+    }
     let lines: Vec<Line<'_>> = sheet
         .fibres
         .iter()

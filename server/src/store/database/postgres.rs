@@ -73,11 +73,21 @@ pub(super) const KINDS: &str =
 /// be gone, and the database ends it.
 const STANDSTILL: &str = "10s";
 
+/// Statements are many and short, and what they may cost at worst is far from what they do: compiling one takes
+/// a thousand times as long as carrying it out.
+const AS_IT_IS: (&str, &str) = ("jit", "off");
+/// How lists are planned: for the values that they are asked with (of texts some are in all jobs and some in none),
+/// by one process each, and for disks that read anywhere as fast as on.
+const OF_LISTS: [(&str, &str); 3] = [
+    ("plan_cache_mode", "force_custom_plan"),
+    ("max_parallel_workers_per_gather", "0"),
+    ("random_page_cost", "1.1"),
+];
+
 /// A connection that writes.
 pub(super) async fn connect(database: &PgConnectOptions) -> sqlx::Result<PgConnection> {
-    let database = database
-        .clone()
-        .options([("idle_in_transaction_session_timeout", STANDSTILL)]);
+    let standstill = ("idle_in_transaction_session_timeout", STANDSTILL);
+    let database = database.clone().options([standstill, AS_IT_IS]);
     database.connect().await
 }
 
@@ -101,9 +111,9 @@ pub(super) fn kind(name: &str) -> Kind {
 
 /// Connections that cannot write.
 pub(super) async fn reading(database: &PgConnectOptions, connections: u32) -> sqlx::Result<PgPool> {
-    let read_only = database
-        .clone()
-        .options([("default_transaction_read_only", "on")]);
+    let read_only = ("default_transaction_read_only", "on");
+    let read_only = database.clone().options([read_only, AS_IT_IS]);
+    let read_only = read_only.options(OF_LISTS);
     PgPoolOptions::new()
         .max_connections(connections)
         .connect_with(read_only)

@@ -75,7 +75,7 @@ impl Store {
         let mut words = Words::of(list.filter, self.reads().texts())?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
-        let few = list.few(&words, &mut connection).await?;
+        let few = list.few(&mut words, &mut connection).await?;
         let found = match (few, list.walk()) {
             (Some(few), _) => {
                 let of = words.walk(&mut connection).await?;
@@ -125,7 +125,7 @@ impl KeptList<'_> {
     }
 
     /// Where few jobs can be in the list, where they come from.
-    async fn few(&self, words: &Words, connection: &mut Connection) -> Result<Option<Few>> {
+    async fn few(&self, words: &mut Words, connection: &mut Connection) -> Result<Option<Few>> {
         if words.sees_a_part() {
             let mut query = Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM (");
             words.push_seen(&mut query);
@@ -134,14 +134,8 @@ impl KeptList<'_> {
                 return Ok(Some(Few::Seen));
             }
         }
-        if !self.filter.narrows_nothing_else() {
-            let walk = words.walk(connection).await?;
-            let mut query = Builder::new("SELECT COUNT(*) FROM (SELECT 1 FROM (");
-            query.append(words.statement("SELECT j.seq FROM ", walk, None, self.looks.few + 1));
-            query.push(") passed");
-            if is_few(query, i64::from(self.looks.few), connection).await? {
-                return Ok(Some(Few::Filtered));
-            }
+        if !self.filter.narrows_nothing_else() && words.leaves_few(self.looks, connection).await? {
+            return Ok(Some(Few::Filtered));
         }
         for (place, (field, condition)) in self.conditions.iter().enumerate() {
             if condition.comparison == Comparison::NotEqual {
@@ -174,13 +168,18 @@ impl KeptList<'_> {
         }
     }
 
+    /// More than few jobs are by now: so that the database knows it, which guesses far more.
+    fn at_most(&self) -> u32 {
+        self.looks.few.saturating_mul(2)
+    }
+
     /// The numbers of the few jobs, as `seq`.
     fn source(&self, few: Few, words: &Words, walk: JobWalk<'_>) -> Builder {
         let mut source = Builder::default();
         match few {
             Few::Seen => words.push_seen(&mut source),
             Few::Filtered => {
-                source = words.statement("SELECT j.seq FROM ", walk, None, self.looks.few);
+                source = words.statement("SELECT j.seq FROM ", walk, None, self.at_most());
             }
             Few::Found(place) => {
                 let (field, condition) = self.conditions[place];
@@ -208,6 +207,9 @@ impl KeptList<'_> {
             None => Builder::new("SELECT n.seq, NULL, NULL FROM (SELECT DISTINCT seq FROM ("),
         };
         query.append(source);
+        if !matches!(few, Few::Filtered) {
+            query.push(" LIMIT ").push_bind(self.at_most());
+        }
         query.push(") s) n CROSS JOIN jobs j");
         if let Some((field, _)) = self.order {
             query.push(" LEFT JOIN kept_values v ON v.job = n.seq AND v.field = ");
@@ -293,6 +295,9 @@ impl KeptList<'_> {
         let all_pass = only_own && self.filter.narrows_nothing_else() && !words.sees_a_part();
         let step = if all_pass {
             u64::from(limit)
+        } else if words.has_rare_text() {
+            // what does not hold the text costs next to nothing
+            walked
         } else {
             FIRST_STEP
         };

@@ -72,6 +72,10 @@ async fn limits_are_set_by_administrators_shown_before_submitting_and_held() {
     for bad in [
         json!({ "running": 0 }),
         json!({ "disk_gb": -1 }),
+        json!({ "queued_core_h": -1 }),
+        json!({ "queued_core_h": 1e300 }),
+        json!({ "queued_core_h": "all" }),
+        json!({ "running": 1.5 }),
         json!({ "files": 1 }),
     ] {
         let answer = group.send(ada, "PUT", &path, &bad.to_string()).await;

@@ -1,5 +1,6 @@
 //! People and sharing, over the router.
 mod accounts;
+mod audited;
 mod comparing;
 mod everything;
 pub(crate) mod group;

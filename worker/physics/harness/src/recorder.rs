@@ -132,6 +132,11 @@ pub enum Interrupt {
 pub trait InterruptSource: Sync {
     fn interrupt(&self) -> Option<Interrupt>;
 
+    /// Looks whether nothing of what is being done is wanted any more.
+    fn is_cancelled(&self) -> bool {
+        self.interrupt() == Some(Interrupt::Cancel)
+    }
+
     /// Looks, and ends what is being done if it is to end.
     ///
     /// # Errors
@@ -160,10 +165,10 @@ impl<'a, W> Wanted<'a, W> {
     }
 
     fn look(&self) -> io::Result<()> {
-        match self.interrupt.interrupt() {
-            // a run that is to leave a checkpoint finishes the file it is at
-            None | Some(Interrupt::Suspend) => Ok(()),
-            Some(Interrupt::Cancel) => Err(io::Error::other("it is not wanted any more")),
+        // a run that is to leave a checkpoint finishes the file it is at
+        match self.interrupt.is_cancelled() {
+            false => Ok(()),
+            true => Err(io::Error::other("it is not wanted any more")),
         }
     }
 }

@@ -37,12 +37,17 @@ use loadframe_api::spec::composite_bending::{Accuracy, CompositeBending, Knobs, 
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::{Ending, Interrupt, Recorder, RunContext, SimulationError};
 
+use crate::section::Bounds;
 use comparison::Fineness;
 use errors::{Finding, Values};
 use model::Model;
 use progress::Progress;
 use tested::Tested;
 use watch::{Checkpoint, Halt, Recorded, Unwatched, Watch};
+
+/// Cells that are drawn before a test: some seconds of a core. How many there are is not known before lines
+/// are laid through the faces of many fibres.
+const MOST_DRAWN: usize = 400_000;
 
 /// Runs the simulation of `spec`.
 ///
@@ -80,14 +85,18 @@ pub fn run(
 /// Draws the section of `spec` before its load; returns what is shown.
 ///
 /// # Errors
-/// When there is no such section, or the recorder fails.
+/// When there is no such section, it has very many cells, or the recorder fails; a cancel.
 pub fn preview(
     spec: &CompositeBending,
-    _context: RunContext<'_>,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<String, loadframe_harness::Halt> {
-    let model = Model::before_rollers(spec, finest(spec))?;
-    pictures::write_first(&model, recorder)?;
+    let bounds = Bounds {
+        most_cells: MOST_DRAWN,
+        interrupt: context.interrupt,
+    };
+    let layout = model::before_rollers(spec, finest(spec), bounds)?;
+    pictures::write_first(&layout, recorder)?;
     let words = "The section on its grid, before its load.";
     let is_bent = spec.test.way().is_some_and(|way| way.flexure().is_some());
     Ok(match is_bent {

@@ -11,7 +11,9 @@ use crate::flexure::{Drive, Flexure, Loading};
 use crate::lattice::{BondPattern, BondStiffness, Geometry, Lattice, PaperRule};
 use crate::load::{Load, LoadPlace};
 use crate::material::{Material, Note};
-use crate::section::{Division, Fibre, Layout, Ply, Refinement, Section, Substance};
+use crate::section::{
+    Bounds, Division, Fibre, Layout, Ply, Refinement, Section, Substance, UNBOUNDED,
+};
 use crate::solve::StaticOptions;
 use crate::supports::{Face, FaceSupport, Supports};
 
@@ -79,16 +81,6 @@ impl<'a> Model<'a> {
         Self::refined(spec, fineness, section, &names, &places)
     }
 
-    /// The section on its grid as it is before rollers make cells at their contacts smaller.
-    pub(super) fn before_rollers(
-        spec: &'a CompositeBending,
-        fineness: Fineness,
-    ) -> Result<Self, CompositeError> {
-        let names: Vec<&String> = spec.materials.keys().collect();
-        let section = section(spec, &names)?;
-        Self::refined(spec, fineness, section, &names, &[])
-    }
-
     fn refined(
         spec: &'a CompositeBending,
         fineness: Fineness,
@@ -96,17 +88,7 @@ impl<'a> Model<'a> {
         names: &[&String],
         refinements: &[Refinement],
     ) -> Result<Self, CompositeError> {
-        let division = division(spec, fineness.grid);
-        let corners = if fineness.shrinks_to_corners {
-            spec.held_corners()
-        } else {
-            Default::default()
-        };
-        let layout = if spec.ply_interface.is_some() && spec.test.breaking.is_some() {
-            section.layout_parting(division, refinements, &corners)?
-        } else {
-            section.layout_refined(division, refinements, &corners)?
-        };
+        let layout = laid_out(spec, fineness, &section, refinements, UNBOUNDED)?;
         let lattice = match &spec.lattice {
             spec::Lattice::Exact(_) => Lattice::exact(&layout),
             spec::Lattice::Paper(paper) => Lattice::paper(&section, &layout, rule(*paper))?,
@@ -168,6 +150,33 @@ impl<'a> Model<'a> {
             grid.particles()
         )
     }
+}
+
+/// The section on its grid as it is before rollers make cells at their contacts smaller, within bounds.
+pub(super) fn before_rollers(
+    spec: &CompositeBending,
+    fineness: Fineness,
+    bounds: Bounds<'_>,
+) -> Result<Layout, CompositeError> {
+    let names: Vec<&String> = spec.materials.keys().collect();
+    laid_out(spec, fineness, &section(spec, &names)?, &[], bounds)
+}
+
+fn laid_out(
+    spec: &CompositeBending,
+    fineness: Fineness,
+    section: &Section,
+    refinements: &[Refinement],
+    bounds: Bounds<'_>,
+) -> Result<Layout, CompositeError> {
+    let division = division(spec, fineness.grid);
+    let corners = if fineness.shrinks_to_corners {
+        spec.held_corners()
+    } else {
+        Default::default()
+    };
+    let is_parting = spec.ply_interface.is_some() && spec.test.breaking.is_some();
+    section.layout_within(division, refinements, &corners, is_parting, bounds)
 }
 
 fn division(spec: &CompositeBending, grid: spec::Grid) -> Division {

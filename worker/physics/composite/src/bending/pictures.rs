@@ -7,6 +7,7 @@ use super::tested::{Broken, Tested};
 use crate::breaking::BrokenPart;
 use crate::lattice::gather;
 use crate::measure::mean_gradient;
+use crate::section::{Grid, Layout};
 
 /// The largest displacement in pictures over the smaller side, unless a factor is asked for.
 const SHOWN: f64 = 0.1;
@@ -37,15 +38,15 @@ pub(super) fn factor(model: &Model<'_>, tested: &Tested) -> f64 {
 
 /// The section before its load.
 pub(super) fn write_first(
-    model: &Model<'_>,
+    layout: &Layout,
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
     let shown = Shown {
-        u: &vec![0.0; model.lattice.displacements()],
+        u: &vec![0.0; 2 * layout.grid().particles()],
         stresses: None,
         damage: None,
     };
-    write_cells(model, SECTION, &shown, 1.0, recorder)
+    write_cells(layout, SECTION, &shown, 1.0, recorder)
 }
 
 /// The deformed section, at the moments that count.
@@ -66,7 +67,7 @@ pub(super) fn write(
                 stresses: Some(look.stresses_mpa.clone()),
                 damage: Some(&look.damage),
             };
-            write_cells(model, &name, &shown, factor, recorder)?;
+            write_cells(&model.layout, &name, &shown, factor, recorder)?;
             entries.push((look.displacement_mm, name));
         }
         write_cracks(model, broken, factor, recorder)?;
@@ -78,7 +79,7 @@ pub(super) fn write(
             stresses: stresses(model, u),
             damage: None,
         };
-        write_cells(model, &name, &shown, factor, recorder)?;
+        write_cells(&model.layout, &name, &shown, factor, recorder)?;
         write_bonds(model, u, factor, recorder)?;
         entries.push((1.0, name));
     }
@@ -97,8 +98,8 @@ struct Shown<'a> {
 }
 
 /// Where a particle is drawn.
-fn drawn(model: &Model<'_>, u: &[f64], factor: f64, particle: usize) -> [f64; 3] {
-    let [x, y] = model.lattice.grid().place_mm(particle);
+fn drawn(grid: &Grid, u: &[f64], factor: f64, particle: usize) -> [f64; 3] {
+    let [x, y] = grid.place_mm(particle);
     [
         x + factor * u[2 * particle],
         y + factor * u[2 * particle + 1],
@@ -108,13 +109,13 @@ fn drawn(model: &Model<'_>, u: &[f64], factor: f64, particle: usize) -> [f64; 3]
 
 /// The deformed section as cells with stress and strain.
 fn write_cells(
-    model: &Model<'_>,
+    layout: &Layout,
     name: &str,
     shown: &Shown<'_>,
     factor: f64,
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
-    let grid = model.lattice.grid();
+    let grid = layout.grid();
     let u = shown.u;
     let cells = grid.cells();
     let mut points = Vec::with_capacity(4 * cells);
@@ -123,7 +124,7 @@ fn write_cells(
     for cell in 0..cells {
         let corners = grid.corners(cell);
         for particle in corners {
-            points.push(drawn(model, u, factor, particle));
+            points.push(drawn(grid, u, factor, particle));
             displacement.extend([u[2 * particle], u[2 * particle + 1], 0.0]);
         }
         let [[xx, xy], [yx, yy]] = mean_gradient(grid.sides_mm(cell), &gather(u, corners));
@@ -131,7 +132,7 @@ fn write_cells(
             all.push(one);
         }
     }
-    let mut data = vec![Array::scalars("fibre_share", model.layout.fibre_share())];
+    let mut data = vec![Array::scalars("fibre_share", layout.fibre_share())];
     if let Some(damage) = shown.damage {
         data.push(Array::scalars("damage", damage));
     }
@@ -173,9 +174,9 @@ fn write_bonds(
     recorder: &mut dyn Recorder,
 ) -> Result<(), SimulationError> {
     let (ends, forces) = bonds(model, u);
-    let particles = 0..model.lattice.grid().particles();
-    let particles: Vec<[f64; 3]> = particles
-        .map(|particle| drawn(model, u, factor, particle))
+    let grid = model.lattice.grid();
+    let particles: Vec<[f64; 3]> = (0..grid.particles())
+        .map(|particle| drawn(grid, u, factor, particle))
         .collect();
     let lines = Lines {
         points: &particles,
@@ -207,7 +208,7 @@ fn write_cracks(
     {
         let [mut x, mut y] = [0.0; 2];
         for particle in grid.corners(event.cell) {
-            let place = drawn(model, &end.displacements_mm, factor, particle);
+            let place = drawn(grid, &end.displacements_mm, factor, particle);
             x += 0.25 * place[0];
             y += 0.25 * place[1];
         }

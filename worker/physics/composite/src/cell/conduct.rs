@@ -2,7 +2,7 @@
 use loadframe_api::spec::composite_cell::{Arrangement, CompositeCell};
 use loadframe_harness::plan::Conclusion;
 use loadframe_harness::{
-    Interrupt, Recorder, RunContext, SimulationError,
+    Interrupt, InterruptSource, Recorder, RunContext, SimulationError,
     checkpoint::{self, Fingerprint},
 };
 
@@ -38,7 +38,7 @@ pub(super) fn conduct(
     if let Some(bytes) = context.checkpoint {
         fingerprint.check(checkpoint::unpack(bytes)?)?;
     }
-    let cell = unit_cell(spec)?;
+    let cell = unit_cell(spec, context.interrupt)?;
     let cells = spec.cells();
     if context.checkpoint.is_none() {
         recorder.log(&format!(
@@ -82,7 +82,13 @@ pub(super) fn conduct(
 }
 
 /// The cell that a spec describes.
-pub(super) fn unit_cell(spec: &CompositeCell) -> Result<UnitCell, CompositeError> {
+///
+/// # Errors
+/// When there is no such cell; a cancel.
+pub(super) fn unit_cell(
+    spec: &CompositeCell,
+    interrupt: &dyn InterruptSource,
+) -> Result<UnitCell, CompositeError> {
     let matrix = material(spec, &spec.matrix)?;
     let fibre = material(spec, &spec.fibre)?;
     match &spec.arrangement {
@@ -93,13 +99,14 @@ pub(super) fn unit_cell(spec: &CompositeCell) -> Result<UnitCell, CompositeError
             UnitCell::hexagonal(matrix, fibre, given.fibre_fraction, given.diameter_mm)
         }
         Arrangement::Random(random) => {
-            let (fibres, size_mm) = fibre_places(&Randomness {
+            let random = Randomness {
                 fraction: random.fibre_fraction,
                 count: random.fibres as usize,
                 diameter_mm: random.diameter_mm,
                 gap_mm: random.least_gap * random.diameter_mm,
                 seed: spec.seed,
-            })?;
+            };
+            let (fibres, size_mm) = fibre_places(&random, interrupt)?;
             Ok(UnitCell {
                 size_mm,
                 matrix,

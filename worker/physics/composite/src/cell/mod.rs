@@ -39,13 +39,14 @@ pub fn run(
 /// Draws the first cell of `spec`; returns what is shown.
 ///
 /// # Errors
-/// When there is no such cell, or the recorder fails.
+/// When there is no such cell, or the recorder fails; a cancel.
 pub fn preview(
     spec: &CompositeCell,
-    _context: RunContext<'_>,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<String, Halt> {
-    let cell = conduct::unit_cell(spec)?;
+    let cell = conduct::unit_cell(spec, context.interrupt)?;
+    context.interrupt.heed()?;
     let grid = spec.cells().map(|count| count as usize);
     let drawn = files::Drawn {
         grid,

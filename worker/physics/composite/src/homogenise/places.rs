@@ -8,6 +8,7 @@
 //! Source of the moves: [Metropolis1953], who made them for these discs.
 use std::f64::consts::PI;
 
+use loadframe_harness::InterruptSource;
 use loadframe_harness::rng::{Purpose, Streams};
 use rand::{Rng, RngExt as _};
 
@@ -55,8 +56,12 @@ const DENSEST: f64 = 0.906_899_682_117_108_9;
 /// follow from it.
 ///
 /// # Errors
-/// When a value is outside its range, or so few fibres do not fit the square at that fraction.
-pub fn fibre_places(random: &Randomness) -> Result<(Vec<RoundFibre>, [f64; 2]), CompositeError> {
+/// When a value is outside its range, or so few fibres do not fit the square at that fraction;
+/// [`CompositeError::GivenUp`] at a cancel.
+pub fn fibre_places(
+    random: &Randomness,
+    interrupt: &dyn InterruptSource,
+) -> Result<(Vec<RoundFibre>, [f64; 2]), CompositeError> {
     let diameter = positive("a fibre's diameter [mm]", random.diameter_mm)?;
     let fraction = within(
         random.fraction,
@@ -95,7 +100,7 @@ pub fn fibre_places(random: &Randomness) -> Result<(Vec<RoundFibre>, [f64; 2]), 
             .map(|_| [0, 1].map(|_| side * generator.random::<f64>()))
             .collect(),
     };
-    if !discs.push_apart() {
+    if !discs.push_apart(interrupt)? {
         return Err(CompositeError::NoRoom {
             count: random.count,
             fraction: filled,
@@ -103,7 +108,7 @@ pub fn fibre_places(random: &Randomness) -> Result<(Vec<RoundFibre>, [f64; 2]), 
         });
     }
     let reach = apart * ((DENSEST / filled).sqrt() - 1.0).min(0.5);
-    discs.shake(reach, &mut generator);
+    discs.shake(reach, &mut generator, interrupt)?;
     let fibres = discs
         .places
         .into_iter()
@@ -113,6 +118,13 @@ pub fn fibre_places(random: &Randomness) -> Result<(Vec<RoundFibre>, [f64; 2]), 
         })
         .collect();
     Ok((fibres, [side; 2]))
+}
+
+fn wanted_still(interrupt: &dyn InterruptSource) -> Result<(), CompositeError> {
+    match interrupt.is_cancelled() {
+        true => Err(CompositeError::GivenUp),
+        false => Ok(()),
+    }
 }
 
 /// Discs of one size on a periodic square.
@@ -126,12 +138,13 @@ struct Discs {
 impl Discs {
     /// Moves every pair that overlaps apart by half of the overlap each, round by round; whether
     /// none overlaps in the end.
-    fn push_apart(&mut self) -> bool {
+    fn push_apart(&mut self, interrupt: &dyn InterruptSource) -> Result<bool, CompositeError> {
         if self.apart > self.size[0] {
-            return false;
+            return Ok(false);
         }
         let wanted = self.apart * (1.0 + BEYOND);
         for _ in 0..MOST_ROUNDS {
+            wanted_still(interrupt)?;
             let mut overlaps = false;
             for first in 0..self.places.len() {
                 for second in first + 1..self.places.len() {
@@ -159,16 +172,22 @@ impl Discs {
                 }
             }
             if !overlaps {
-                return true;
+                return Ok(true);
             }
         }
-        false
+        Ok(false)
     }
 
     /// Metropolis moves of hard discs: each disc in turn, up to `reach` along both axes, taken where
     /// it overlaps none.
-    fn shake(&mut self, reach: f64, generator: &mut impl Rng) {
+    fn shake(
+        &mut self,
+        reach: f64,
+        generator: &mut impl Rng,
+        interrupt: &dyn InterruptSource,
+    ) -> Result<(), CompositeError> {
         for _ in 0..SWEEPS {
+            wanted_still(interrupt)?;
             for disc in 0..self.places.len() {
                 let here = self.places[disc];
                 let there = [0, 1].map(|axis| {
@@ -183,6 +202,7 @@ impl Discs {
                 }
             }
         }
+        Ok(())
     }
 
     fn wrapped(&self, place: f64, axis: usize) -> f64 {

@@ -1,5 +1,8 @@
 //! A section laid out on its grid: what every cell holds.
+use std::fmt;
+
 use loadframe_api::section::lines::{Fine, Towards, fitted_lines, graded_lines, pass_through};
+use loadframe_harness::InterruptSource;
 
 use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
@@ -70,13 +73,34 @@ pub(super) fn fit_on(section: &Section, division: Division) -> Result<Fit, Compo
     Ok(fit(&grid, &faces_across(section, &faces, &bands), &bands))
 }
 
+/// So many cells are filled with their fibres before somebody may say that nobody wants them: some tenths of a
+/// second where each holds hundreds.
+const CELLS_BETWEEN_LOOKS: usize = 256;
+
+/// How large a layout may be, and for how long it is wanted.
+#[derive(Clone, Copy)]
+pub struct Bounds<'a> {
+    pub most_cells: usize,
+    pub interrupt: &'a dyn InterruptSource,
+}
+
+impl fmt::Debug for Bounds<'_> {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Bounds")
+            .field("most_cells", &self.most_cells)
+            .finish_non_exhaustive()
+    }
+}
+
 impl Layout {
-    pub(crate) fn new(
+    pub(super) fn new(
         section: &Section,
         division: Division,
         refinements: &[Refinement],
         corners: &[Towards; 2],
         is_parting: bool,
+        bounds: Bounds<'_>,
     ) -> Result<Self, CompositeError> {
         let stack = section.stack()?;
         let faces = faces_mm(&stack, section.height_mm);
@@ -86,6 +110,12 @@ impl Layout {
         if is_parting && !matches!(division, Division::Uniform { .. }) {
             let y_mm = with_thin_rows(grid.y_mm(), &faces[1..faces.len() - 1]);
             grid = Grid::of_lines(grid.x_mm().to_vec(), y_mm)?;
+        }
+        if grid.cells() > bounds.most_cells {
+            return Err(CompositeError::TooManyCells {
+                cells: grid.cells(),
+                most: bounds.most_cells,
+            });
         }
         let fit = fit(&grid, &faces_across(section, &faces, &bands), &bands);
 
@@ -148,9 +178,12 @@ impl Layout {
             density.resize(density.len() + grid.columns(), mean);
         }
         let mut fibre_share = vec![0.0; grid.cells()];
-        let parts = shares(&grid, &bands);
+        let parts = shares(&grid, &bands, bounds.interrupt)?;
         let mut bars = Vec::new();
-        for held in parts.chunk_by(|a, b| a.cell == b.cell) {
+        for (place, held) in parts.chunk_by(|a, b| a.cell == b.cell).enumerate() {
+            if place.is_multiple_of(CELLS_BETWEEN_LOOKS) && bounds.interrupt.is_cancelled() {
+                return Err(CompositeError::GivenUp);
+            }
             let cell = held[0].cell as usize;
             let whole: f64 = held.iter().map(|part| part.share).sum();
             let rest = matrix_share(whole);

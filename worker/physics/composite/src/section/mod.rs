@@ -17,7 +17,7 @@ pub use described::{Ply, Section, Substance};
 pub use fit::Fit;
 pub use grid::{Division, Grid, Refinement};
 pub(crate) use grid::{corner_weights, within};
-pub use layout::Layout;
+pub use layout::{Bounds, Layout};
 pub(crate) use layout::{Constituent, matrix_share};
 pub use loadframe_api::section::fibre::Fibre;
 pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
@@ -25,7 +25,15 @@ pub use loadframe_api::section::lines::Towards;
 pub(crate) use loadframe_api::section::polygon::Polygon;
 pub(crate) use ply::faces_mm;
 
+use loadframe_harness::Uninterrupted;
+
 use crate::error::{CompositeError, finite, positive};
+
+/// Of a layout that is made whatever it takes.
+pub(crate) const UNBOUNDED: Bounds<'static> = Bounds {
+    most_cells: usize::MAX,
+    interrupt: &Uninterrupted,
+};
 
 impl Section {
     /// Checks the section and lays the grid over it.
@@ -55,8 +63,7 @@ impl Section {
         refinements: &[Refinement],
         corners: &[Towards; 2],
     ) -> Result<Layout, CompositeError> {
-        self.checked()?;
-        Layout::new(self, division, refinements, corners, false)
+        self.layout_within(division, refinements, corners, false, UNBOUNDED)
     }
 
     /// As [`Section::layout_refined`], of plies that can come apart: a thin row of cells lies above
@@ -71,8 +78,23 @@ impl Section {
         refinements: &[Refinement],
         corners: &[Towards; 2],
     ) -> Result<Layout, CompositeError> {
+        self.layout_within(division, refinements, corners, true, UNBOUNDED)
+    }
+
+    /// As [`Section::layout_parting`] or [`Section::layout_refined`], within bounds.
+    ///
+    /// # Errors
+    /// As [`Section::layout_refined`]; [`CompositeError::TooManyCells`] and [`CompositeError::GivenUp`].
+    pub fn layout_within(
+        &self,
+        division: Division,
+        refinements: &[Refinement],
+        corners: &[Towards; 2],
+        is_parting: bool,
+        bounds: Bounds<'_>,
+    ) -> Result<Layout, CompositeError> {
         self.checked()?;
-        Layout::new(self, division, refinements, corners, true)
+        Layout::new(self, division, refinements, corners, is_parting, bounds)
     }
 
     fn checked(&self) -> Result<(), CompositeError> {

@@ -1,4 +1,7 @@
 //! Which fibres the cells of a grid hold, and how much of them.
+use loadframe_harness::InterruptSource;
+
+use crate::error::CompositeError;
 use crate::section::bars::moments;
 use crate::section::grid::Grid;
 use crate::section::{Band, Polygon};
@@ -17,13 +20,23 @@ pub(crate) struct Part {
 }
 
 /// Shares of all cells that fibres touch, by cell and then by band.
-pub(super) fn shares(grid: &Grid, bands: &[Band]) -> Vec<Part> {
+///
+/// # Errors
+/// [`CompositeError::GivenUp`] at a cancel.
+pub(super) fn shares(
+    grid: &Grid,
+    bands: &[Band],
+    interrupt: &dyn InterruptSource,
+) -> Result<Vec<Part>, CompositeError> {
     let mut parts = Vec::new();
     for place in 0..bands.len() {
+        if interrupt.is_cancelled() {
+            return Err(CompositeError::GivenUp);
+        }
         add(&mut parts, grid, bands, place);
     }
     parts.sort_by_key(|part| (part.cell, part.band));
-    parts
+    Ok(parts)
 }
 
 /// Adds the cells of one band: each cell's rectangle, cut by the band.

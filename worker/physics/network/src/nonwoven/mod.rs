@@ -61,10 +61,11 @@ struct Checkpoint {
 /// When there is no such specimen, or the recorder fails.
 pub fn preview(
     spec: &NonwovenTensile,
-    _context: RunContext<'_>,
+    context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<String, Halt> {
     let specimen = Specimen::new(spec)?;
+    context.interrupt.heed()?;
     snapshot::take_first(&specimen, recorder)?;
     let words = "The fabric between its jaws, not strained yet.";
     Ok(first_of(words, spec.test.repeats))

@@ -1,6 +1,6 @@
 //! Fibres laid one after the other until the sheet has its mass.
 use loadframe_harness::rng::{Purpose, Streams};
-use loadframe_harness::{Interrupt, InterruptSource, Uninterrupted};
+use loadframe_harness::{InterruptSource, Uninterrupted};
 use loadframe_numerics::Team;
 use rand::RngExt as _;
 
@@ -47,6 +47,9 @@ impl SheetPlan {
         self.validate()?;
         let mut fibres = self.lay_fibres(seed, interrupt)?;
         fibres.shrink_to_fit();
+        if interrupt.is_cancelled() {
+            return Err(SheetError::GivenUp);
+        }
         let contacts = contacts(&fibres, self.gap(), team);
         Ok(Sheet {
             size_um: self.size_um,
@@ -85,9 +88,7 @@ impl SheetPlan {
         let mut fibres = Vec::new();
         while let Some(source) = furthest_behind(&mut sources) {
             // a suspended one would never come further; most fibres may fall beside a small sheet
-            if source.drawn % DRAWN_BETWEEN_LOOKS == 0
-                && let Some(Interrupt::Cancel) = interrupt.interrupt()
-            {
+            if source.drawn % DRAWN_BETWEEN_LOOKS == 0 && interrupt.is_cancelled() {
                 return Err(SheetError::GivenUp);
             }
             let size = source.pulp.draw(&mut draws.sizes.of(source.stream()));

@@ -64,6 +64,7 @@ pub fn preview(
     let words = match &spec.specimen {
         Specimen::SingleFibre(single) => {
             let specimen = fibre::Specimen::new(spec, single)?;
+            context.interrupt.heed()?;
             files::write_pictures(&specimen, &[specimen.unloaded()], recorder)?;
             "The fibre as a tube of springs, before its load."
         }

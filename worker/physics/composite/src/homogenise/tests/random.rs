@@ -1,4 +1,6 @@
 //! Random fibres and the scatter of their cells.
+use loadframe_harness::Uninterrupted;
+
 use super::*;
 use crate::error::CompositeError;
 
@@ -11,7 +13,7 @@ const RANDOM: Randomness = Randomness {
 };
 
 fn cell_of(random: &Randomness) -> UnitCell {
-    let (fibres, size_mm) = fibre_places(random).unwrap();
+    let (fibres, size_mm) = fibre_places(random, &Uninterrupted).unwrap();
     UnitCell {
         size_mm,
         matrix: epoxy(),
@@ -53,7 +55,10 @@ fn random_fibres_fill_their_fraction_and_keep_their_gap() {
 
 #[test]
 fn the_same_seed_gives_the_same_places_and_others_differ() {
-    let places = |seed| fibre_places(&Randomness { seed, ..RANDOM }).unwrap().0;
+    let places = |seed| {
+        let random = Randomness { seed, ..RANDOM };
+        fibre_places(&random, &Uninterrupted).unwrap().0
+    };
     assert_eq!(places(3), places(3));
     assert_ne!(places(3), places(4));
 }
@@ -89,7 +94,7 @@ fn neighbours_touch_as_often_as_hard_discs_do() {
 
 #[test]
 fn fibres_that_find_no_room_are_refused() {
-    let refused = |random| fibre_places(&random).unwrap_err();
+    let refused = |random| fibre_places(&random, &Uninterrupted).unwrap_err();
     for random in [
         Randomness {
             fraction: 0.71,

@@ -93,6 +93,7 @@ pub(super) fn preview(
 ) -> Result<&'static str, Halt> {
     let team = Team::new(context.threads)?;
     let specimen = Specimen::new(spec, &team, context.interrupt)?;
+    context.interrupt.heed()?;
     pictures::unheld(&specimen, recorder)?;
     Ok(match &spec.specimen {
         Kind::Explicit(_) => "The sheet as it is given, before it is pulled.",

@@ -126,6 +126,9 @@ impl Specimen {
             SheetError::GivenUp => Halt::Interrupted(Interrupt::Cancel),
             error => SimulationError::of_paper(error).into(),
         })?;
+        if interrupt.is_cancelled() {
+            return Err(Interrupt::Cancel.into());
+        }
         let whole = if spec.test.pulled() == Direction::Cd {
             whole.turned()
         } else {
@@ -174,6 +177,9 @@ impl Specimen {
             Theory::of(&whole, &pulps, &bonds, measured, shear_mpa)
         });
         let length_um = tested.size_um[0];
+        if interrupt.is_cancelled() {
+            return Err(Interrupt::Cancel.into());
+        }
         let model = model(spec, length_um, None);
         let (network, tubes) = tubes::network(spec, &fibres, &walls, &bonds, model)?;
         Ok(Self {
