@@ -88,21 +88,21 @@ impl Sharing {
 mod tests {
     use super::*;
 
-    /// Time on threads over that on one.
-    fn times(tests: f64, within: f64, threads: u32) -> f64 {
-        Sharing { tests, within }.time_on(threads)
+    /// Time on threads over that on one, in thousandths.
+    fn times(tests: f64, within: f64, threads: u32) -> u32 {
+        (1e3 * Sharing { tests, within }.time_on(threads)).round() as u32
     }
 
     #[test]
     fn tests_are_dealt_out_and_what_is_left_of_threads_shares_them() {
-        assert_eq!(times(1.0, 0.0, 8), 1.0);
-        assert_eq!(times(10.0, 0.0, 2), 0.5);
+        assert_eq!(times(1.0, 0.0, 8), 1000);
+        assert_eq!(times(10.0, 0.0, 2), 500);
         // three rounds of four places
-        assert_eq!(times(10.0, 0.0, 4), 0.3);
-        assert_eq!(times(1.0, 1.0, 4), 0.25);
-        assert_eq!(times(1.0, 0.5, 2), 0.75);
+        assert_eq!(times(10.0, 0.0, 4), 300);
+        assert_eq!(times(1.0, 1.0, 4), 250);
+        assert_eq!(times(1.0, 0.5, 2), 750);
         // two tests of two threads each
-        assert_eq!(times(2.0, 0.5, 4), 0.375);
+        assert_eq!(times(2.0, 0.5, 4), 375);
     }
 
     #[test]
