@@ -1,4 +1,6 @@
 //! Lists by values of specs and results: the same before these are kept and afterwards, however far they walk.
+//!
+//! One file, long as it is: all of it is held against one plain way to make a list.
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::sync::Arc;

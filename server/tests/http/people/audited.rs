@@ -1,5 +1,7 @@
 //! Every request that changes something, by the page of a person who is signed in: refused where another page
 //! sends it, and one line in the audit log where this one does. A route without a row fails.
+//!
+//! One file, long as it is: what one does is what the next is done to.
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};

@@ -1,4 +1,6 @@
 //! A scene in motion, and its step.
+//!
+//! One file, long as it is: a step is right only in the order of its parts.
 use std::{ops::Range, sync::Arc};
 
 use loadframe_api::spec::granular_scene::GranularScene;

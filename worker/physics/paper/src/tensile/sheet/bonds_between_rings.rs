@@ -6,6 +6,7 @@
 use loadframe_api::spec::paper_tensile::{PaperTensile, Placement, Specimen as Kind};
 use loadframe_api::{ErrorBasis, ErrorPart};
 
+use super::bonds_inside::above;
 use super::straight_parts::{between, position};
 use crate::frame::Network;
 
@@ -30,10 +31,9 @@ pub(super) fn error(spec: &PaperTensile, network: &Network, stiffness: f64) -> O
     Some(ErrorPart::new("bonds_between_rings", value, basis))
 }
 
-/// What is too stiff by a share is above what it should be by that share of the latter.
 fn off(crowding: f64, stiffness: f64) -> Option<f64> {
     let too_stiff = between(&TOO_STIFF, position(&CROWDING, crowding)?);
-    Some(stiffness * too_stiff / (1.0 + too_stiff))
+    Some(above(stiffness, too_stiff))
 }
 
 #[cfg(test)]

@@ -38,10 +38,14 @@ pub(super) fn error(spec: &PaperTensile, network: &Network, stiffness: f64) -> O
     Some(ErrorPart::new("bonds_inside", value, ErrorBasis::MeasuredTable).with_tenth(tenth))
 }
 
-/// What is too stiff by a share is above what it should be by that share of the latter.
 fn off(crowding: f64, stiffness: f64) -> Option<f64> {
     let too_stiff = between(&TOO_STIFF, position(&CROWDING, crowding)?);
-    Some(stiffness * too_stiff / (1.0 + too_stiff))
+    Some(above(stiffness, too_stiff))
+}
+
+/// What is too stiff by a share is above what it should be by that share of the latter.
+pub(super) fn above(stiffness: f64, too_stiff: f64) -> f64 {
+    stiffness * too_stiff / (1.0 + too_stiff)
 }
 
 #[cfg(test)]
