@@ -471,7 +471,50 @@ def per_fibre(folder: Path) -> list[list[str]]:
     return rows
 
 
+# ── masses in motion ────────────────────────────────────────────────────────────────────────────────
+
+# Strains a second.
+RATES = [5000, 2000, 1000, 500, 200]
+MOVED_SEEDS = 3
+
+
+def rated(rate: float | None, seed: int) -> dict:
+    body = softwood(seed=seed, test__repeats=None)
+    if rate is not None:
+        body["spec"]["test"]["dynamics"] = {"strain_rate_per_s": rate}
+    return body
+
+
+def measure_rates(folder: Path) -> dict:
+    for seed in range(1, MOVED_SEEDS + 1):
+        for rate in [None, *RATES]:
+            outcome = run(rated(rate, seed), folder / f"{seed}_{rate}")
+    return {"commit": outcome["provenance"]["engine_commit"]}
+
+
+def rates(folder: Path) -> list[list[str]]:
+    """Results of masses in motion over those at rest, of the same sheets."""
+    rows = [["strain a second", *(f"{name}, over that at rest" for name in ("stiffness", "strength", "stretch", "energy absorption")),
+             "kinetic over elastic energy", "difference of the jaws", "energy unaccounted for", "steps", "processor time"]]
+    outcomes = lambda rate: [run(rated(rate, seed), folder / f"{seed}_{rate}") for seed in range(1, MOVED_SEEDS + 1)]
+    value = lambda outcome, name: outcome["summary"][name]["value"]
+    still = outcomes(None)
+    for rate in RATES:
+        moved = outcomes(rate)
+        cells = []
+        for name in ("tensile_stiffness_index", "tensile_index", "stretch", "energy_absorption_index"):
+            shares = [value(one, name) / value(other, name) for one, other in zip(moved, still)]
+            cells.append(f"{statistics.mean(shares):.3f} ({min(shares):.3f} to {max(shares):.3f})")
+        most = lambda check: max(one["quality"][check]["value"] for one in moved)
+        rows.append([f"{rate}", *cells, digits(most("kinetic_share")), digits(most("jaw_force_imbalance")), digits(most("energy_balance_error")),
+                     f"{statistics.mean(one['cost']['work']['time_steps'] for one in moved):,.0f}".replace(",", " "),
+                     seconds(statistics.mean(one["cost"]["cpu_s"] for one in moved))])
+    rows.append(["at rest", "1", "1", "1", "1", "0", "", "", "", seconds(statistics.mean(one["cost"]["cpu_s"] for one in still))])
+    return rows
+
+
 TABLES = {
+    "paper_rates": Table("2 min of processor time", measure_rates, rates),
     "paper_straight_parts": Table("2 min of processor time", measure_straight, straight_parts),
     "paper_trends": Table("2 min of processor time", measure_trends, trends),
     "paper_levels": Table("10 s of processor time", measure_levels, levels),

@@ -54,7 +54,7 @@ macro_rules! list_of_kinds {
                 "A sheet of pulp fibres that are bonded where they touch is pulled until it breaks; or one fibre, a hollow tube of springs, is pulled, twisted, bent or pushed until it buckles.",
                 ["paper_tensile", "paper_tensile_buckling", "paper_tensile_sheet",
                     "paper_tensile_directions", "paper_tensile_lap", "paper_tensile_zero_span",
-                    "paper_tensile_measured", "paper_tensile_yielding", "paper_tensile_tubes"];
+                    "paper_tensile_measured", "paper_tensile_yielding", "paper_tensile_tubes", "paper_tensile_dynamics"];
             Calibrate("calibrate"): spec::calibrate::Calibrate,
                 "Calibration",
                 "Parameters of any other job are fitted to what was measured, with intervals, over the same specimens at every trial.",

@@ -1,8 +1,10 @@
 //! What a test takes: of one fibre factors of a narrow band, of a sheet a factor and a solution for
 //! every break.
 use super::expected::{factor_entries, is_factored_truss, is_iterated, iterated_entries, motions};
-use super::{BondsAt, Level, PaperTensile, Placement, SingleFibre, SingleFibreLoad, Specimen};
-use crate::fibre::divide;
+use super::{
+    BondsAt, Dynamics, Level, PaperTensile, Placement, SingleFibre, SingleFibreLoad, Specimen,
+};
+use crate::fibre::{divide, line_length_um};
 use crate::{Calibration, Estimate, Extent, Sharing};
 
 /// One entry of a block of two rings in a factor, in evaluations of one bond, and the constants of
@@ -49,6 +51,12 @@ const BROKEN_SHARE_OF_TRUSS: f64 = 0.17;
 /// Where fibres yield there are so many yields for every break, each of which costs a break's solution and
 /// takes a look at all elements. Not measured yet.
 const YIELDS: f64 = 10.0;
+/// Of masses in motion: the step over the time in which sound goes from node to node, and what a node with its segment,
+/// with the springs of a tube, and a bond cost in a step, in evaluations of one bond.
+const STEP: f64 = 0.37;
+const OF_NODE: f64 = 5.0;
+const TUBE_SPRINGS: f64 = 1.0;
+const OF_BOND: f64 = 5.0;
 /// An element in a picture, a break with its two points of the curve [MB].
 const CELL_MB: f64 = 120e-6;
 const EVENT_MB: f64 = 300e-6;
@@ -169,6 +177,10 @@ fn of_sheet(
         let yields = if spec.yields() { YIELDS } else { 0.0 };
         factor + BREAK * entries * events * (1.0 + yields)
     };
+    let work = match spec.test.dynamics {
+        None => work,
+        Some(dynamics) => of_motion(spec, dynamics, [bonds, nodes]),
+    };
     let work = POINT_LAID * points + work;
     let directions = spec.test.pulled().each().len();
     let repeats = f64::from(spec.specimens()) * directions as f64;
@@ -188,6 +200,35 @@ fn of_sheet(
             within: 0.0,
         },
     }
+}
+
+/// Of masses in motion: steps of time, each a look at all elements.
+fn of_motion(spec: &PaperTensile, dynamics: Dynamics, [bonds, nodes]: [f64; 2]) -> f64 {
+    let length_um = match &spec.specimen {
+        Specimen::Sheet(sheet) => sheet.length_and_fibres(spec).0,
+        Specimen::Explicit(sheet) => {
+            let lines = sheet
+                .fibres
+                .iter()
+                .map(|fibre| line_length_um(&fibre.centre_line_um));
+            lines.sum()
+        }
+        Specimen::SingleFibre(_) => return 0.0,
+    };
+    let (in_ring, springs) = match spec.level() {
+        Level::Tube => (f64::from(spec.model.points_on_ring), TUBE_SPRINGS),
+        Level::Beam | Level::Truss => (1.0, 1.0),
+    };
+    let spacing_um = length_um * in_ring / nodes.max(1.0);
+    // sound [µm/µs] in the fastest fibre: 1 GPa µm² is 1 mN
+    let sounds = spec.pulp.iter().filter_map(|pulp| {
+        let area = pulp.section().ok()?.area_um2();
+        Some((pulp.youngs_modulus_gpa * area / pulp.coarseness_ug_per_um()?).sqrt())
+    });
+    let step_us = STEP * spacing_um / sounds.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let until_us = 1e6 * spec.test.max_strain / dynamics.strain_rate_per_s;
+    let steps = (until_us / step_us).max(f64::from(dynamics.points));
+    steps * (OF_NODE * nodes * springs + OF_BOND * bonds)
 }
 
 /// Whether a sheet of bars is a mechanism, which folds and breaks nothing: all by deposition are, whose fibres climb

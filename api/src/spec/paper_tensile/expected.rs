@@ -91,7 +91,7 @@ impl MadeSheet {
     }
 
     /// Length of all fibres [µm], and into how many pieces the edges cut them.
-    fn length_and_fibres(&self, spec: &PaperTensile) -> (f64, f64) {
+    pub(super) fn length_and_fibres(&self, spec: &PaperTensile) -> (f64, f64) {
         let [length, width] = [self.length_mm, self.width_mm].map(|size| 1e3 * size);
         let area = length * width;
         let (mut total, mut fibres) = (0.0, 0.0);

@@ -39,7 +39,7 @@ pub use sheet::{
     Placement, RandomPlacement, VonMises,
 };
 pub use specimen::{SingleFibre, SingleFibreLoad, Specimen};
-pub use test::{Direction, Test, TestType};
+pub use test::{Direction, Dynamics, Test, TestType};
 
 /// A virtual tensile test of paper, or of one of its fibres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -17,6 +17,8 @@ pub(super) const RESULTS: &[Named] = &[
     ("plastic_work", "J/m2"),
     ("yielded_share", "1"),
     ("residual_strain", "1"),
+    ("time_step", "ns"),
+    ("added_mass", "1"),
     ("broken_bonds_opened", "1"),
     ("broken_bonds_sheared", "1"),
     ("broken_fibres", "1"),

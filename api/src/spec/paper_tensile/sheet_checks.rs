@@ -44,6 +44,7 @@ pub(super) fn check_test(spec: &PaperTensile, violations: &mut Violations) {
                 .allowed("nodes, or left out"),
         );
     }
+    check_dynamics(spec, violations);
     let fraction = spec.test.stop_fraction();
     if fraction >= 1.0 {
         let detail = "the test of a sheet would end at its first fall of force";
@@ -61,6 +62,45 @@ pub(super) fn check_test(spec: &PaperTensile, violations: &mut Violations) {
                 .value(spec.seed)
                 .allowed(format!("seed + repeats - 1 ≤ {LARGEST_SEED}")),
         );
+    }
+}
+
+/// What masses in motion cannot be asked.
+fn check_dynamics(spec: &PaperTensile, violations: &mut Violations) {
+    if spec.test.dynamics.is_none() {
+        return;
+    }
+    let knobs = spec.accuracy.knobs();
+    let inside = knobs.bonds_at == BondsAt::Inside;
+    for (is_wrong, pointer, detail, allowed) in [
+        (
+            spec.test.is_zero_span(),
+            "/test/type",
+            "pieces between closed jaws have no bonds that could break one after the other",
+            "tensile, or left out; or no dynamics",
+        ),
+        (
+            spec.yields(),
+            "/test/dynamics",
+            "fibres that yield are pulled from rest to rest",
+            "left out, or pulps without yielding",
+        ),
+        (
+            inside,
+            "/accuracy/bonds_at",
+            "masses in motion are at nodes, and bonds must have such of their own",
+            "nodes, or left out",
+        ),
+        (
+            knobs.break_precision > 0.0,
+            "/accuracy/break_precision",
+            "in motion every part breaks at its own strength, in the step in which it comes to it",
+            "0, or left out",
+        ),
+    ] {
+        if is_wrong {
+            violations.push(Violation::new(pointer, "not_of_dynamics", detail).allowed(allowed));
+        }
     }
 }
 

@@ -29,6 +29,44 @@ pub struct Test {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000), extend("x-unit" = "1"))]
     pub repeats: Option<u32>,
+    /// Of a sheet: masses in motion under a jaw of constant speed. Left out, every break is followed by rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dynamics: Option<Dynamics>,
+}
+
+/// A pull at a constant speed, step by step of time: nodes have masses, and what breaks shakes the rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Dynamics {
+    /// Speed of the jaw over the distance of the jaws. Real tests, some 0.003 a second, would take 10⁹ steps; where
+    /// kinetic energy is below a hundredth of the elastic one (`kinetic_share`) a faster one finds the same.
+    #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "1/s"))]
+    pub strain_rate_per_s: f64,
+    /// Drag on what moves otherwise than a sheet that is stretched evenly, over the critical one of the slowest
+    /// vibration along the pull.
+    #[serde(default = "damping")]
+    #[schemars(range(min = 0.0, max = 10.0), extend("x-unit" = "1"))]
+    pub damping: f64,
+    /// Mass that may be added where nodes are lightest for their springs, over all mass, so that steps are longer.
+    #[serde(default = "added_mass")]
+    #[schemars(range(min = 0.0, max = 100.0), extend("x-unit" = "1"))]
+    pub added_mass: f64,
+    /// Points of the curve up to `max_strain`; its forces are means in between.
+    #[serde(default = "points")]
+    #[schemars(range(min = 10, max = 100_000), extend("x-unit" = "1"))]
+    pub points: u32,
+}
+
+fn damping() -> f64 {
+    0.5
+}
+
+fn added_mass() -> f64 {
+    0.1
+}
+
+fn points() -> u32 {
+    500
 }
 
 /// What the jaws of a test hold.
@@ -83,6 +121,7 @@ impl Default for Test {
             direction: None,
             stop_force_fraction: None,
             repeats: None,
+            dynamics: None,
         }
     }
 }
@@ -113,6 +152,7 @@ impl Test {
                 "test.stop_force_fraction",
             ),
             (self.repeats.is_some(), "test.repeats"),
+            (self.dynamics.is_some(), "test.dynamics"),
         ];
         given
             .into_iter()

@@ -36,6 +36,7 @@ fn section() -> BeamSection {
         shear_coefficient: 2.6 / 4.9,
         strength_gpa: Some(FIBRE_STRENGTH),
         width_um: WIDTH_UM,
+        line_density_ug_per_um: 1.5e-4,
         yielding: None,
     }
 }
@@ -127,6 +128,7 @@ fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
         break_precision: asked.precision,
     };
     let means = Means {
+        motion: None,
         solver: asked.solver,
         team: Arc::clone(&asked.team),
     };

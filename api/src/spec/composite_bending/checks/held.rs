@@ -20,6 +20,7 @@ pub(super) fn check_held(
         );
     }
     check_load(spec, violations);
+    check_borne(spec, supports, violations);
     check_history(spec, violations);
     check_corners(supports, violations);
     if let Some(motion) = loose(supports) {
@@ -166,6 +167,49 @@ fn check_load(spec: &CompositeBending, violations: &mut Violations) {
     }
 }
 
+/// A force on points that are held along it goes into the support and moves nothing.
+fn check_borne(spec: &CompositeBending, supports: &Supports, violations: &mut Violations) {
+    let Some(load) = &spec.test.load else { return };
+    let sides = [spec.section.length_mm, spec.section.height_mm];
+    let acts_on = |face: Face| match &load.on {
+        LoadPlace::Face(loaded) => *loaded == face,
+        LoadPlace::Patch(patch) => patch.face == face,
+        LoadPlace::PointMm([x, y]) => match face {
+            Face::Left => *x == 0.0,
+            Face::Right => *x == sides[0],
+            Face::Bottom => *y == 0.0,
+            Face::Top => *y == sides[1],
+        },
+        LoadPlace::Body => false,
+    };
+    for (face, support) in supports.faces() {
+        if !acts_on(face) {
+            continue;
+        }
+        let held = held_axes(face, support);
+        for (axis, name) in ["x", "y"].into_iter().enumerate() {
+            if held[axis] && load.force_n[axis] != 0.0 {
+                violations.push(
+                    Violation::new(
+                        format!("/test/load/force_n/{axis}"),
+                        "load_on_nothing",
+                        format!(
+                            "the {} face is held along {name} where the force acts: its support \
+                             bears the force, which moves nothing",
+                            face.name()
+                        ),
+                    )
+                    .value(load.force_n[axis])
+                    .allowed(format!(
+                        "0, a load elsewhere, or a face left free along {name}"
+                    ))
+                    .unit("N"),
+                );
+            }
+        }
+    }
+}
+
 fn check_history(spec: &CompositeBending, violations: &mut Violations) {
     let Some(history) = &spec.test.history else {
         return;
@@ -187,5 +231,67 @@ fn check_history(spec: &CompositeBending, violations: &mut Violations) {
             Violation::new("/test/load", "missing", "there is no load to release")
                 .allowed("a load"),
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use crate::{JobKind, Submission, SubmissionError};
+
+    /// The pointers at what is refused of the paper's section with a load and supports.
+    fn refused(load: Value, supports: Value) -> Vec<String> {
+        let body = JobKind::CompositeBending.examples()[0].body;
+        let mut body: Value = serde_json::from_str(body).expect("JSON");
+        body["spec"]["test"] = json!({"load": load, "supports": supports});
+        match Submission::from_slice(body.to_string().as_bytes()) {
+            Ok(_) => Vec::new(),
+            Err(SubmissionError::Invalid(violations)) => violations
+                .into_iter()
+                .map(|violation| format!("{} {}", violation.pointer, violation.code))
+                .collect(),
+            Err(other) => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_force_that_a_support_bears_is_refused() {
+        let body = JobKind::CompositeBending.examples()[0].body;
+        let body: Value = serde_json::from_str(body).expect("JSON");
+        let side = |name: &str| body["spec"]["section"][name].as_f64().expect("a number");
+        let (length, height) = (side("length_mm"), side("height_mm"));
+        let sides = json!({"left": "clamped", "right": "clamped"});
+        let borne = |axis: usize| vec![format!("/spec/test/load/force_n/{axis} load_on_nothing")];
+        for (force, on, expected) in [
+            ([0.0, -10.0], json!({"face": "top"}), vec![]),
+            ([0.0, -10.0], json!("body"), vec![]),
+            ([0.0, -10.0], json!({"face": "left"}), borne(1)),
+            ([3.0, 0.0], json!({"face": "right"}), borne(0)),
+            (
+                [0.0, -10.0],
+                json!({"patch": {"face": "left", "from_mm": 0.0, "to_mm": 0.5 * height}}),
+                borne(1),
+            ),
+            (
+                [0.0, 1.0],
+                json!({"point_mm": [length, 0.5 * height]}),
+                borne(1),
+            ),
+            (
+                [0.0, 1.0],
+                json!({"point_mm": [0.5 * length, height]}),
+                vec![],
+            ),
+        ] {
+            let load = json!({"force_n": force, "on": on});
+            assert_eq!(refused(load.clone(), sides.clone()), expected, "{load}");
+        }
+        // a face that slides bears what presses on it, and moves with what pulls along it
+        let slides = json!({"left": "clamped", "right": "rolling"});
+        for (force, expected) in [([0.0, -1.0], vec![]), ([2.0, -1.0], borne(0))] {
+            let load = json!({"force_n": force, "on": {"face": "right"}});
+            assert_eq!(refused(load, slides.clone()), expected);
+        }
     }
 }

@@ -66,6 +66,9 @@ pub enum FrameError {
     /// Tubes have a factor and small displacements, and are elastic until they break.
     #[error("tubes are pulled by small displacements with a factor, and do not yield")]
     Tubes,
+    /// Masses in motion whose energy has no bound any more.
+    #[error("the motion of masses has become unstable at step {step}")]
+    Unstable { step: u64 },
     /// Segments that flow or not by turns.
     #[error("which segments yield was not decided in {rounds} rounds")]
     Undecided { rounds: usize },

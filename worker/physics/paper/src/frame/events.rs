@@ -85,6 +85,8 @@ pub enum Step {
     /// Parts broke together, the most loaded first; one where they break one by one. The force falls, and
     /// energy is set free, with the last.
     Broke(Vec<Event>),
+    /// It moved on to the next point of the curve, and these broke on the way.
+    Moved(Vec<Event>),
     /// It went on without a break: fibres yielded, or a part of the way is done.
     Strained,
     Ended(PullEnd),

@@ -10,6 +10,7 @@ use super::equilibrium::{Equilibrium, Refactoring, UNBALANCED};
 use super::error::FrameError;
 use super::gradients::{Relaxation, Start};
 use super::input::NodeLoad;
+use super::moving::MotionTest;
 use super::network::Network;
 use super::state::PullCost;
 use super::survey::{Critical, breaks_at};
@@ -43,6 +44,8 @@ pub struct Means {
     pub solver: Solver,
     /// Threads that share the iterations; a factor takes one.
     pub team: Arc<Team>,
+    /// Masses in motion instead of equilibrium.
+    pub motion: Option<MotionTest>,
 }
 
 impl Default for Means {
@@ -58,6 +61,7 @@ impl Means {
         Self {
             solver,
             team: Arc::new(Team::alone()),
+            motion: None,
         }
     }
 

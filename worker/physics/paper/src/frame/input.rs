@@ -20,6 +20,8 @@ pub struct BeamSection {
     pub strength_gpa: Option<f64>,
     /// Outer width [µm]: bending stress is taken at half of it.
     pub width_um: f64,
+    /// Mass per length [µg/µm]: what only motion asks for.
+    pub line_density_ug_per_um: f64,
     /// Where it yields along itself; none: it is elastic until it breaks.
     pub yielding: Option<Yielding>,
 }
@@ -121,6 +123,7 @@ impl BeamSection {
             ("shear coefficient", self.shear_coefficient),
             ("width [um]", self.width_um),
             ("strength [GPa]", self.strength_gpa.unwrap_or(1.0)),
+            ("mass per length [ug/um]", self.line_density_ug_per_um),
         ] {
             check(
                 || format!("{name} of fibre {fibre}"),

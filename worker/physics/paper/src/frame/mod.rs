@@ -10,7 +10,7 @@
 //! rest, and `held` chooses: `equilibrium` with a factor of all (`order`, `factor`), exact and for small sheets,
 //! and `gradients`, by iterations, for large ones; `load` is rest under loads. `events` are what happens in a pull, `state`
 //! is what it remembers and measures, `pulling` what every pull can be asked: `pull` drives, `yielding` where
-//! fibres yield, and which of them a network needs is `chosen`. `large` does all for large motions.
+//! fibres yield, `moving` where masses are in motion, and which of them a network needs is `chosen`. `large` does all for large motions.
 //!
 //! Fibres are beams or bars, or `tubes` of points and springs: other nodes and other springs, the same equilibrium
 //! with a factor (`springs` is what it asks of them), the same events.
@@ -39,6 +39,7 @@ mod held;
 mod input;
 mod large;
 mod load;
+mod moving;
 mod network;
 mod order;
 mod places;
@@ -64,8 +65,9 @@ pub use input::{
 };
 pub use large::{LargePull, LargePullTest, LargeStep};
 pub use load::Rest;
+pub use moving::{MotionReport, MotionTest};
 pub use network::{Drawing, Network};
 pub use places::Jaw;
 pub use pull::{Pull, PullTest};
-pub use pulling::{Loads, Pulling, run};
+pub use pulling::{CurvePoint, Loads, Pulling, run};
 pub use state::{PullCost, PullMeasures, PullState};

@@ -2,6 +2,7 @@
 use super::element::{PARTS, stress_gpa};
 use super::error::FrameError;
 use super::events::{Broken, Event, PullEnd, Step};
+use super::moving::MotionReport;
 use super::network::Network;
 use super::state::{PullCost, PullState};
 
@@ -49,6 +50,22 @@ pub trait Pulling: std::fmt::Debug {
     /// [`FrameError`] when the network has no equilibrium.
     fn residual_elongation_um(&self) -> Result<f64, FrameError>;
 
+    /// The point of the curve that it is at.
+    fn curve_point(&self) -> CurvePoint {
+        let measures = &self.state().measures;
+        CurvePoint {
+            at_um: self.elongation_um(),
+            forces_mn: self.jaw_force_mn(),
+            stored_nj: measures.stored_nj,
+            residual: measures.largest_residual,
+        }
+    }
+
+    /// How masses moved; none where every point is one of rest.
+    fn motion_report(&self) -> Option<MotionReport> {
+        None
+    }
+
     /// Tensile stress of a segment of force and bending as it is [GPa]; 0 when it is broken.
     fn segment_stress_gpa(&self, segment: usize) -> f64 {
         let network = self.network();
@@ -72,6 +89,18 @@ pub trait Pulling: std::fmt::Debug {
     }
 }
 
+/// A point of the curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvePoint {
+    pub at_um: f64,
+    /// Forces of the left and the right jaw [mN].
+    pub forces_mn: [f64; 2],
+    /// Elastic energy [nJ].
+    pub stored_nj: f64,
+    /// What is missing to rest, to be held against [`Pulling::residual_limit`].
+    pub residual: f64,
+}
+
 /// Loads q of an element, in the order of its springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Loads(pub(crate) [f64; PARTS]);
@@ -84,7 +113,7 @@ pub fn run(pull: &mut dyn Pulling) -> Result<(Vec<Event>, PullEnd), FrameError> 
     let mut events = Vec::new();
     loop {
         match pull.advance()? {
-            Step::Broke(broke) => events.extend(broke),
+            Step::Broke(broke) | Step::Moved(broke) => events.extend(broke),
             Step::Strained => {}
             Step::Ended(end) => return Ok((events, end)),
         }

@@ -16,6 +16,8 @@ pub struct PullState {
     pub(crate) ended: Option<PullEnd>,
     /// Motion of all nodes of fibres at unit elongation that iterations go on from; empty with a factor.
     pub(crate) motion: Vec<f64>,
+    /// Of masses in motion.
+    pub(crate) moving: Option<Moving>,
     /// Of fibres that yield.
     pub(crate) yielding: Option<Yielded>,
     pub measures: PullMeasures,
@@ -40,6 +42,42 @@ pub(crate) struct Peak {
     pub(crate) segments: Vec<(f64, f64, bool)>,
 }
 
+/// Masses in motion.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Moving {
+    /// Motion [µm, rad] of every node, and its rate half a step before [µm/µs, rad/µs].
+    pub(crate) motion: Vec<[f64; 6]>,
+    pub(crate) velocity: Vec<[f64; 6]>,
+    pub(crate) now: Moved,
+    /// Means between points of the curve, and how many there were when the force was largest.
+    pub(crate) intervals: Vec<Interval>,
+    pub(crate) until_peak: usize,
+    /// Motion and number of broken parts then.
+    pub(crate) peak: Option<(Vec<[f64; 6]>, usize)>,
+}
+
+/// What masses in motion have done so far.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct Moved {
+    pub(crate) steps: u64,
+    /// Work of the moving jaw, what drag took, and what breaks set free [nJ].
+    pub(crate) work_nj: f64,
+    pub(crate) drag_nj: f64,
+    pub(crate) released_nj: f64,
+    pub(crate) kinetic_at_start_nj: f64,
+}
+
+/// Means between two points of the curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Interval {
+    /// Elongation in the middle [µm].
+    pub(crate) at_um: f64,
+    pub(crate) forces_mn: [f64; 2],
+    /// Kinetic energy over that of the springs.
+    pub(crate) kinetic_share: f64,
+    pub(crate) stored_nj: f64,
+}
+
 /// What a pull has measured so far.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct PullMeasures {
@@ -56,6 +94,11 @@ pub struct PullMeasures {
     pub released_nj: f64,
     pub dissipated_nj: f64,
     pub dissipated_at_peak_nj: f64,
+    /// Kinetic energy beyond that at the start, and what drag took [nJ]; 0 at rest.
+    pub kinetic_nj: f64,
+    pub drag_nj: f64,
+    /// Largest kinetic energy over that of the springs on the way to the peak; none at rest.
+    pub kinetic_share: Option<f64>,
     /// Share of the length of all fibres that has yielded, at the peak.
     pub yielded_share_at_peak: f64,
     /// Largest turn of a node up to the peak [rad].
@@ -86,10 +129,12 @@ pub struct PullCost {
 }
 
 impl PullMeasures {
-    /// What the energies lack, over the work: work = stored + released + dissipated.
+    /// What the energies lack, over the work: work = stored + released + dissipated, and of masses in
+    /// motion kinetic energy and drag.
     #[must_use]
     pub fn energy_error(&self) -> f64 {
-        let missing = self.work_nj - self.stored_nj - self.released_nj - self.dissipated_nj;
+        let spent = self.stored_nj + self.kinetic_nj + self.drag_nj;
+        let missing = self.work_nj - spent - self.released_nj - self.dissipated_nj;
         if self.work_nj > 0.0 {
             missing.abs() / self.work_nj
         } else {
@@ -130,6 +175,18 @@ impl PullMeasures {
     }
 }
 
+impl Moving {
+    /// The same where the force was largest, to look at.
+    fn at_peak(&self) -> Option<Self> {
+        let (motion, _) = self.peak.as_ref()?;
+        Some(Self {
+            velocity: vec![[0.0; 6]; motion.len()],
+            motion: motion.clone(),
+            ..Self::default()
+        })
+    }
+}
+
 impl PullState {
     /// Where this pull was when its force was largest and its first `broken` parts were broken: to look at,
     /// not to go on from.
@@ -140,6 +197,8 @@ impl PullState {
             .yielding
             .as_ref()
             .and_then(|yielded| yielded.peak.as_ref());
+        let moved = self.moving.as_ref().and_then(|moving| moving.peak.as_ref());
+        let broken = moved.map_or(broken, |(_, broken)| *broken);
         Self {
             factored: gone.take(broken).copied().collect(),
             taken: Vec::new(),
@@ -147,6 +206,7 @@ impl PullState {
             avalanche: self.avalanche,
             ended: Some(PullEnd::MaxStrain),
             motion: Vec::new(),
+            moving: self.moving.as_ref().and_then(Moving::at_peak),
             yielding: peak.map(|peak| Yielded {
                 motion: peak.motion.clone(),
                 segments: peak.segments.clone(),

@@ -137,6 +137,7 @@ fn a_pull_by_iterations_goes_on_to_the_same_bits_on_any_number_of_threads() {
         stop_force_fraction: 0.9,
     };
     let on = |threads| Means {
+        motion: None,
         solver: Solver::ByCost,
         team: Arc::new(Team::new(threads).unwrap()),
     };

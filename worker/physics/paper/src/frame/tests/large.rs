@@ -12,6 +12,7 @@ fn square(youngs_modulus_gpa: f64) -> BeamSection {
         shear_coefficient: 5.0 / 6.0,
         strength_gpa: None,
         width_um: 1.0,
+        line_density_ug_per_um: 1e-6,
         yielding: None,
     }
 }

@@ -17,6 +17,7 @@ pub(crate) fn tube() -> BeamSection {
         shear_coefficient: 2.6 / 4.9,
         strength_gpa: None,
         width_um: outer,
+        line_density_ug_per_um: 1.5e-4,
         yielding: None,
     }
 }
@@ -61,6 +62,7 @@ mod breaking;
 mod iterative;
 mod joints;
 mod large;
+mod moving;
 mod refusals;
 mod sheets;
 mod tubes;

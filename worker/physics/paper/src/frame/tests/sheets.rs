@@ -30,7 +30,7 @@ pub(super) const TUBES: Scatter = Scatter {
 };
 
 /// Most fibres reach from jaw to jaw: as a truss it is no mechanism.
-const LONG: Scatter = Scatter {
+pub(super) const LONG: Scatter = Scatter {
     fibres: 14,
     fibre_length_um: 2000.0,
     ..SMALL
@@ -346,7 +346,7 @@ fn large_sheet_by_time() {
     for _ in 0..number("EVENTS", 200) {
         let clock = std::time::Instant::now();
         match pull.advance().unwrap() {
-            Step::Broke(events) => {
+            Step::Broke(events) | Step::Moved(events) => {
                 for event in events {
                     eprintln!(
                         "{:.3e} {:.4} {:?} {:.1e} {:.2?} {:?}",

@@ -99,10 +99,13 @@ impl<'n> Course<'n> {
         let now = self.pull.state().measures;
         // breaks are at the elongation to which the pull has gone
         let at_um = self.pull.elongation_um();
+        let has_moved = matches!(step, Step::Moved(_));
         if now.strain_at_peak > before.strain_at_peak || now.peak_force_mn > before.peak_force_mn {
-            self.kept.broken_at_peak = before.broken();
+            // of masses in motion it is the force of what broke on the way, too
+            let at = if has_moved { &now } else { &before };
+            self.kept.broken_at_peak = at.broken();
         }
-        if at_um > was_at_um && was_at_um > 0.0 {
+        if at_um > was_at_um && was_at_um > 0.0 && !has_moved {
             // the avalanche before is over: where its last break left the force
             let residual = self
                 .kept
@@ -130,6 +133,18 @@ impl<'n> Course<'n> {
                 self.measure_progress(at_um / self.length_um());
                 Ok(None)
             }
+            Step::Moved(events) => {
+                for event in events {
+                    let last = self.kept.records.last();
+                    let same = last.filter(|last| last.event.avalanche == event.avalanche);
+                    let round = same.map_or(1, |last| last.round + 1);
+                    self.kept.records.push(Record { event, round });
+                }
+                let at = self.pull.curve_point();
+                self.point_at(at.at_um, at.forces_mn, at.stored_nj, at.residual, &now);
+                self.measure_progress(at_um / self.length_um());
+                Ok(None)
+            }
             Step::Strained => {
                 let forces = self.pull.jaw_force_mn();
                 self.point_at(at_um, forces, now.stored_nj, now.largest_residual, &now);
@@ -142,7 +157,8 @@ impl<'n> Course<'n> {
                     .records
                     .last()
                     .map_or(now.largest_residual, |last| last.event.residual);
-                if end != PullEnd::NoPath {
+                // the last point of masses in motion is told already
+                if end != PullEnd::NoPath && self.pull.motion_report().is_none() {
                     let forces = self.pull.jaw_force_mn();
                     self.point_at(at_um, forces, now.stored_nj, residual, &now);
                 }

@@ -31,17 +31,19 @@ mod tests;
 
 use std::sync::Arc;
 
-use loadframe_api::spec::paper_tensile::{PaperTensile, SHEET_CURVE, Specimen as Kind};
+use loadframe_api::spec::paper_tensile::{Dynamics, PaperTensile, SHEET_CURVE, Specimen as Kind};
 use loadframe_harness::checkpoint::{self, Fingerprint};
 use loadframe_harness::plan::{Compared, Place, Specimens, test_specimens};
 use loadframe_harness::{Ending, Halt, Interrupt, Recorder, RunContext, SimulationError};
 use loadframe_numerics::Team;
 use serde::{Deserialize, Serialize};
 
-use crate::frame::{FrameError, Means, PullTest, Solver};
+use crate::frame::{FrameError, Means, MotionTest, PullTest, Solver};
 use course::{Course, Kept};
 use specimen::Specimen;
 
+/// 1/s in 1/µs.
+const PER_US: f64 = 1e-6;
 /// Leading columns of the curve that are kept of every repeat: nominal strain and force.
 const KEPT_COLUMNS: usize = 2;
 /// Results compared between directions.
@@ -150,6 +152,7 @@ fn run_one(
     let means = Means {
         solver: Solver::ByCost,
         team,
+        motion: spec.test.dynamics.map(moving),
     };
     let mut course = Course::new(&specimen, test, means, kept)?;
     recorder.columns(&SHEET_CURVE)?;
@@ -218,6 +221,16 @@ fn run_one(
         end,
         residual_strain,
     )))
+}
+
+/// How masses move.
+fn moving(dynamics: Dynamics) -> MotionTest {
+    MotionTest {
+        strain_rate_per_us: PER_US * dynamics.strain_rate_per_s,
+        damping: dynamics.damping,
+        added_mass: dynamics.added_mass,
+        points: dynamics.points,
+    }
 }
 
 /// The sheets of a spec, one for each seed and direction.

@@ -7,13 +7,16 @@ use super::course::Course;
 use super::results;
 use super::specimen::Specimen;
 use super::warnings::warn;
-use crate::frame::{PullEnd, PullMeasures};
+use crate::frame::{MotionReport, PullEnd, PullMeasures};
 
 /// Largest difference between the jaw forces, relative to the maximum force, that goes without
 /// warning: the force error ISO 7500-1 allows a testing machine of class 1.
 const LARGEST_IMBALANCE: f64 = 0.01;
 /// Work that is neither stored nor set free, over the work.
 const LARGEST_ENERGY_ERROR: f64 = 1e-6;
+/// The same of masses in motion, whose steps are finite.
+const LARGEST_ENERGY_ERROR_IN_MOTION: f64 = 0.01;
+
 /// The report of a finished test.
 pub(super) fn report(
     spec: &PaperTensile,
@@ -39,7 +42,10 @@ pub(super) fn report(
         records,
         residual_strain,
     );
-    checks(&mut report, &measures, course.pull.residual_limit());
+    match course.pull.motion_report() {
+        None => checks(&mut report, &measures, course.pull.residual_limit()),
+        Some(motion) => checks_of_motion(&mut report, &measures, &motion),
+    }
     if let Some(tubes) = &specimen.tubes {
         tubes.report(&mut report);
         tubes.warn(&mut report, spec);
@@ -89,4 +95,41 @@ fn checks(report: &mut ReportBuilder, measures: &PullMeasures, residual_limit: f
              was found by iterations.",
         );
     }
+}
+
+fn checks_of_motion(report: &mut ReportBuilder, measures: &PullMeasures, motion: &MotionReport) {
+    let step_ns = 1e3 * motion.step_us;
+    report.result(
+        "time_step",
+        step_ns,
+        "ns",
+        "Step of time, nine tenths of the longest stable one at most.",
+    );
+    let about =
+        "Mass that was added to the lightest nodes for the sake of longer steps, over all mass.";
+    report.result("added_mass", motion.added_mass, "1", about);
+    report.check(
+        "kinetic_share",
+        motion.kinetic_share,
+        MotionReport::LARGEST_KINETIC_SHARE,
+        "1",
+        "Largest kinetic energy over elastic energy, from a tenth of the largest force up to it: below a \
+         hundredth the speed of the jaw does not matter.",
+    );
+    report.check(
+        "jaw_force_imbalance",
+        measures.largest_jaw_imbalance,
+        LARGEST_IMBALANCE,
+        "1",
+        "Largest difference between the mean forces on the two jaws up to the maximum force, over it.",
+    );
+    report.check(
+        "energy_balance_error",
+        measures.energy_error(),
+        LARGEST_ENERGY_ERROR_IN_MOTION,
+        "1",
+        "Work of the jaw that is neither elastic nor kinetic energy, nor set free by breaks, nor taken by drag, \
+         over the work.",
+    );
+    report.work("time_steps", motion.steps);
 }

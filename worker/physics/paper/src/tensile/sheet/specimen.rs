@@ -63,11 +63,12 @@ impl Specimen {
                 SimulationError::of_paper(format!("fibre {index} is of an unknown pulp"))
             })?;
             let section = pulp.section().map_err(SimulationError::of_paper)?;
-            let coarseness = 1e-3 * pulp.coarseness_mg_per_m(&section);
-            mass_ug += coarseness * between_jaws_um(&fibre.centre_line_um, length_um);
+            let beam = beam(spec, pulp, &section);
+            mass_ug +=
+                beam.line_density_ug_per_um * between_jaws_um(&fibre.centre_line_um, length_um);
             fibres.push(FrameFibre {
                 centre_line_um: fibre.centre_line_um.clone(),
-                section: beam(spec, pulp, &section),
+                section: beam,
             });
             sides.push(Side {
                 thickness_um: section.area_um2() / section.width_um(),
@@ -290,6 +291,8 @@ fn beam(spec: &PaperTensile, pulp: &Pulp, section: &Section) -> BeamSection {
         shear_coefficient: spec.model.shear_coefficient.unwrap_or(thin_tube),
         strength_gpa: pulp.strength_mpa.map(|strength| MPA * strength),
         width_um: section.width_um(),
+        // 1 mg/m is 10⁻³ µg/µm
+        line_density_ug_per_um: 1e-3 * pulp.coarseness_mg_per_m(section),
         yielding: pulp.yielding.map(|yielding| frame::Yielding {
             stress_gpa: MPA * yielding.stress_mpa,
             hardening_modulus_gpa: yielding.hardening_modulus_gpa,

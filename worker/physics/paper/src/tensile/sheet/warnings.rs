@@ -4,7 +4,7 @@ use loadframe_harness::ReportBuilder;
 
 use super::course::Course;
 use super::specimen::Specimen;
-use crate::frame::PullEnd;
+use crate::frame::{MotionReport, PullEnd};
 use crate::tensile::contradictions::warn_of_contradictions;
 
 /// Share of the energy in what only keeps a truss in place, from which on its force means nothing.
@@ -56,6 +56,23 @@ pub(super) fn warn(
                  and its force means nothing. Fibres shorter than the distance of the jaws need bending \
                  stiffness to carry: take beams",
                 100.0 * measures.largest_taut_share
+            ),
+        );
+    }
+    if let Some(motion) = course.pull.motion_report()
+        && motion.kinetic_share > MotionReport::LARGEST_KINETIC_SHARE
+        && let Some(dynamics) = spec.test.dynamics
+    {
+        // kinetic energy goes with the square of the speed
+        let slower = (MotionReport::LARGEST_KINETIC_SHARE / motion.kinetic_share).sqrt();
+        report.warn(
+            "too_fast",
+            format!(
+                "on the way to the largest force up to {:.3} of the elastic energy was in motion as well, where 0.01 \
+                 counts as rest: results depend on the speed. test.dynamics.strain_rate_per_s of {:.2e} or less would \
+                 be at rest",
+                motion.kinetic_share,
+                slower * dynamics.strain_rate_per_s
             ),
         );
     }
