@@ -474,7 +474,7 @@ def per_fibre(folder: Path) -> list[list[str]]:
 # ── masses in motion ────────────────────────────────────────────────────────────────────────────────
 
 # Strains a second.
-RATES = [5000, 2000, 1000, 500, 200]
+RATES = [5000, 1000, 200, 50]
 MOVED_SEEDS = 3
 
 

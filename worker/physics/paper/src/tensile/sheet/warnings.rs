@@ -63,14 +63,14 @@ pub(super) fn warn(
         && motion.kinetic_share > MotionReport::LARGEST_KINETIC_SHARE
         && let Some(dynamics) = spec.test.dynamics
     {
-        // kinetic energy goes with the square of the speed
-        let slower = (MotionReport::LARGEST_KINETIC_SHARE / motion.kinetic_share).sqrt();
+        // that of waves from breaks goes with the speed, that of the pull itself with its square
+        let slower = MotionReport::LARGEST_KINETIC_SHARE / motion.kinetic_share;
         report.warn(
             "too_fast",
             format!(
                 "on the way to the largest force up to {:.3} of the elastic energy was in motion as well, where 0.01 \
-                 counts as rest: results depend on the speed. test.dynamics.strain_rate_per_s of {:.2e} or less would \
-                 be at rest",
+                 counts as rest: results depend on the speed. test.dynamics.strain_rate_per_s of {:.1e} or less \
+                 should be at rest",
                 motion.kinetic_share,
                 slower * dynamics.strain_rate_per_s
             ),
