@@ -212,7 +212,11 @@ impl Apparatus for BoxTest {
             sleeper.member_radius_m,
         ));
         violations.extend(check_tilting(
-            ["/apparatus/sleeper/tilts", "/apparatus/sleeper/rail_m"],
+            [
+                "/apparatus/sleeper/tilts",
+                "/apparatus/sleeper/rail_m",
+                "/apparatus/sleeper/member_radius_m",
+            ],
             (sleeper.tilts, sleeper.member_radius_m.is_some()),
             sleeper.rail_m,
             [sleeper.length_m, sleeper.width_m],

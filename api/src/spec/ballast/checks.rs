@@ -1,6 +1,6 @@
 //! What the JSON Schema cannot say of a test.
 use super::{
-    super::granular_scene::{Clump, MOST_MEMBERS, check_grain},
+    super::granular_scene::{Clump, Grain, MOST_MEMBERS, check_grain},
     Apparatus, Ballast, Tamper,
     shapes::shell_members,
 };
@@ -40,17 +40,20 @@ pub(super) fn check_shell(
 }
 
 /// Finds what a sleeper cannot do that tilts, or a rail where it does not; `pointers` are those of the two
-/// fields, `sides` those of its top along x and y [m].
+/// fields and of the radius of spheres, `sides` those of its top along x and y [m].
 pub(super) fn check_tilting(
-    [tilts, rail]: [&str; 2],
+    [tilts, rail, radius]: [&str; 3],
     (does_tilt, is_of_spheres): (bool, bool),
     rail_m: Option<[f64; 2]>,
     sides: [f64; 2],
 ) -> Option<Violation> {
     if does_tilt && !is_of_spheres {
-        let detail = "a sleeper of flat faces does not tilt, one of spheres does";
+        let detail = "a sleeper of flat faces is a wall, which moves along axes and does not turn; one of \
+                      spheres is a body, which does";
         let violation = Violation::new(tilts, "not_together", detail).value(true);
-        return Some(violation.allowed("false, or a radius of spheres for the sleeper"));
+        return Some(violation.allowed(format!(
+            "false, or {radius} given: a shell of spheres, the flatter the smaller they are"
+        )));
     }
     let place = rail_m?;
     if !does_tilt {
@@ -85,6 +88,7 @@ pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations
         );
     }
     check_shape(spec, violations);
+    violations.extend(check_spheres_first(spec));
     if !violations.is_empty() {
         return;
     }
@@ -214,13 +218,38 @@ fn check_shape<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     violations.extend(check_grain("/grains/shape", shape));
 }
 
+/// What takes the places of spheres is rigid, and is turned.
+fn check_spheres_first<A: Apparatus>(spec: &Ballast<A>) -> Option<Violation> {
+    spec.preparation.poured_as_spheres?;
+    let pointer = "/preparation/poured_as_spheres";
+    let (detail, allowed) = match &spec.grains.shape {
+        Grain::Sphere => (
+            "these grains are spheres",
+            "none, or a clump as /grains/shape",
+        ),
+        Grain::Breakable(_) => (
+            "grains that break are poured as they are: their bonds are made with them",
+            "none, or a rigid clump as /grains/shape",
+        ),
+        Grain::Clump(_) if !spec.grains.turned => (
+            "clumps that take the places of spheres are turned at random",
+            "none, or /grains/turned left out",
+        ),
+        Grain::Clump(_) => return None,
+    };
+    Some(Violation::new(pointer, "not_together", detail).allowed(allowed))
+}
+
 fn check_sizes<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     let [low, high] = spec.apparatus.footprint();
     let widths = [high[0] - low[0], high[1] - low[1]];
     let narrowest = widths
         .into_iter()
         .fold(spec.apparatus.bed_height(), f64::min);
-    let largest = spec.grains.largest_diameter();
+    let largest = (spec.spheres_first()).map_or_else(
+        || spec.grains.largest_diameter(),
+        |first| first.largest_diameter(),
+    );
     let allowed = LARGEST_GRAIN * narrowest;
     if largest > allowed {
         let detail = format!(
@@ -254,6 +283,12 @@ fn pointer_in_test(pointer: &str) -> String {
         if let Some(rest) = pointer.strip_prefix(scene) {
             return format!("{test}{rest}");
         }
+    }
+    if pointer.ends_with("/replace/material") {
+        return "/materials/aggregate".to_owned();
+    }
+    if pointer.ends_with("/replace/equal") {
+        return "/preparation/poured_as_spheres/equal".to_owned();
     }
     if pointer.starts_with("/record/voids") {
         return "/output/void_cell_m".to_owned();

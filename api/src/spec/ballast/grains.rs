@@ -2,7 +2,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::granular_scene::{Arrangement, Grain, Sizes};
+use super::super::granular_scene::{Arrangement, Clump, Equal, Grain, Sizes, Whole};
+use super::PouredAsSpheres;
 
 /// Shape and sizes of grains.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,6 +53,30 @@ const PLACES_INSIDE: f64 = 0.6;
 const RADIUS: f64 = 0.01625;
 const SCATTER: [f64; 2] = [0.6, 1.4];
 
+/// Spheres that are poured, and the clumps that take their places.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct SpheresFirst {
+    pub(super) spheres: Grains,
+    pub(super) clump: Clump,
+    pub(super) equal: Equal,
+    /// Volume of a clump over that of its sphere.
+    pub(super) volume_ratio: f64,
+    /// Radius of the ball around a clump over that of its sphere.
+    reach_ratio: f64,
+}
+
+impl SpheresFirst {
+    /// Diameter of the largest ball around a sphere or a clump [m].
+    pub(super) fn largest_diameter(&self) -> f64 {
+        self.spheres.largest_diameter() * self.reach_ratio.max(1.0)
+    }
+
+    /// Diameter of the ball of a mean clump's volume [m].
+    pub(super) fn mean_diameter(&self) -> f64 {
+        self.spheres.mean_diameter() * self.volume_ratio.cbrt()
+    }
+}
+
 impl Grains {
     /// Sizes that are meant; none for clumps of their own size.
     pub(super) fn sizes(&self) -> Option<Sizes> {
@@ -62,6 +87,26 @@ impl Grains {
             }),
             (sizes, _) => sizes.clone(),
         }
+    }
+
+    /// Spheres that clumps take the places of; none where grains are no clumps, or cannot be filled.
+    pub(super) fn spheres_first(&self, poured: PouredAsSpheres) -> Option<SpheresFirst> {
+        let Grain::Clump(clump) = &self.shape else {
+            return None;
+        };
+        let whole = Whole::of(&clump.resolved().ok()?.members);
+        let radius = poured.equal.radius(&whole);
+        Some(SpheresFirst {
+            spheres: Self {
+                shape: Grain::Sphere,
+                sizes: Some(self.sizes.clone().unwrap_or(Sizes::RadiusM(radius))),
+                ..self.clone()
+            },
+            clump: clump.clone(),
+            equal: poured.equal,
+            volume_ratio: (whole.equal_radius() / radius).powi(3),
+            reach_ratio: whole.reach / radius,
+        })
     }
 
     /// Solid fraction that the first layer reaches before it falls.

@@ -40,7 +40,7 @@ pub use loading::{Block, Loading};
 pub use materials::{Mat, Materials};
 pub use oedometer::{Oedometer, Section};
 pub use output::Output;
-pub use preparation::{Compaction, Preparation, Tamper, Tamping};
+pub use preparation::{Compaction, PouredAsSpheres, Preparation, Tamper, Tamping};
 pub use railbed::Railbed;
 pub use script::{BED, Course, Layer, Load, Phase, Script, Slice};
 pub use walls::Walls;

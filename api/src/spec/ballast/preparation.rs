@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::granular_scene::Axis;
+use super::super::granular_scene::{Axis, Equal};
 
 /// Layer by layer, grains are poured in, settle, and what stands above the layer's height is taken out.
 ///
@@ -22,9 +22,24 @@ pub struct Preparation {
     pub longest_settling_s: f64,
     /// `null` leaves a bed as it was poured.
     pub compaction: Option<Compaction>,
+    /// Grains that are rigid clumps are poured as spheres, and when a layer of them has settled, each is
+    /// replaced by a clump, turned at random, and the layer settles again before it is cut or shaken. The
+    /// sizes of grains are then those of the spheres. Left out, clumps are poured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poured_as_spheres: Option<PouredAsSpheres>,
     /// A wall that swings up and down, after the bed has been shaken, if it is; left out, none does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tamping: Option<Tamping>,
+}
+
+/// How the clumps of a bed take the places of spheres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PouredAsSpheres {
+    /// What a clump has in common with its sphere. Clumps of equal size lie looser than the spheres did and
+    /// sink, so more spheres are poured; those of equal mass are pushed out of each other before they settle.
+    #[serde(skip_serializing_if = "Equal::is_size")]
+    pub equal: Equal,
 }
 
 /// A wall beats the bed, or shakes it from below: about the place it is at, z goes by A (cos 2πft − 1) for
@@ -87,6 +102,7 @@ impl Default for Preparation {
             unbalanced_force_ratio: 0.03,
             longest_settling_s: 2.0,
             compaction: Some(Compaction::default()),
+            poured_as_spheres: None,
             tamping: None,
         }
     }

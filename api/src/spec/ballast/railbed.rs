@@ -235,7 +235,11 @@ impl Apparatus for Railbed {
             self.sleeper_member_radius_m,
         ));
         violations.extend(check_tilting(
-            ["/apparatus/sleeper_tilts", "/apparatus/rail_m"],
+            [
+                "/apparatus/sleeper_tilts",
+                "/apparatus/rail_m",
+                "/apparatus/sleeper_member_radius_m",
+            ],
             (self.sleeper_tilts, self.sleeper_member_radius_m.is_some()),
             self.rail_m,
             [self.half_sleeper_length_m, self.sleeper_width_m],

@@ -6,13 +6,15 @@ mod loads;
 use std::collections::BTreeMap;
 
 use super::super::granular_scene::{Generate, GranularScene, Region, Settle, Volume};
-use super::{Compaction, Tamping, Walls, materials::AGGREGATE};
+use super::{Compaction, Tamping, Walls, grains::SpheresFirst, materials::AGGREGATE};
 
 /// What a stage of a test does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     Pour,
     Settle,
+    /// Clumps take the places of spheres.
+    Replace,
     Compact,
     Tamp,
     Cut,
@@ -92,6 +94,7 @@ pub struct Script {
     /// The slices together, and what stands out above them.
     pub bed: Slice,
     template: Generate,
+    spheres_first: Option<SpheresFirst>,
     placed_fraction: f64,
     largest_diameter: f64,
     settle: Settle,
@@ -104,6 +107,14 @@ pub struct Script {
 const GRAVITY: f64 = 9.81;
 /// The region that holds the whole bed under the wall.
 pub const BED: &str = "bed";
+
+impl Layer {
+    /// Area over which it is poured [m²].
+    fn area(&self) -> f64 {
+        let [lower, upper] = self.footprint.bounds();
+        self.footprint.volume() / (upper[2] - lower[2])
+    }
+}
 
 impl Slice {
     /// Volume in it [m³] below a wall of an area [m²] at a height [m].
@@ -130,6 +141,7 @@ impl Phase {
         match self {
             Self::Pour => "pour",
             Self::Settle => "settle",
+            Self::Replace => "replace",
             Self::Compact => "compact",
             Self::Tamp => "tamp",
             Self::Cut => "cut",

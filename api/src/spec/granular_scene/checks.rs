@@ -25,6 +25,7 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     check_walls::check(spec, violations);
     check_stages(spec, violations);
     super::supply_checks::check(spec, violations);
+    super::replace::check(spec, violations);
     check_recorded(spec, violations);
     let bodies = spec.given_bodies();
     let is_all_given = spec.generators().next().is_none() && !bodies.iter().any(Body::is_filled);
@@ -313,6 +314,12 @@ fn check_raised_cohesion(spec: &GranularScene) -> Option<Violation> {
         );
     }
     let last = spec.stages.len().saturating_sub(1);
+    if raised.from_stage >= raised.until_stage {
+        let detail = "cohesions would be set back before they are raised";
+        let violation = Violation::new(format!("{pointer}/from_stage"), "out_of_order", detail);
+        let allowed = format!("below until_stage, {}", raised.until_stage);
+        return Some(violation.value(raised.from_stage).allowed(allowed));
+    }
     (raised.until_stage > last).then(|| {
         let detail = "cohesions would never be set back";
         Violation::new(format!("{pointer}/until_stage"), "no_such_stage", detail)

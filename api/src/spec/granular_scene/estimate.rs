@@ -1,5 +1,5 @@
 //! What a granular scene takes: particle steps over measured speed.
-use super::{Body, Grain, GranularScene, Insert, LARGEST_WAY, Stage, TimeStep};
+use super::{Body, Clump, Grain, GranularScene, Insert, LARGEST_WAY, Replace, Stage, TimeStep};
 use crate::{Calibration, Estimate, Sharing};
 
 /// Particle steps in the time of one evaluation of a bond of the calibrating fabric. A step of a
@@ -72,6 +72,7 @@ impl GranularScene {
         let samples = self.samples();
         let radii = samples.iter().map(Body::smallest_radius);
         let smallest = radii.fold(f64::INFINITY, f64::min);
+        let mut stiffness: f64 = 1.0;
         self.stages.iter().map(move |stage| {
             let duration = stage.duration();
             let likely = match stage {
@@ -90,9 +91,18 @@ impl GranularScene {
             };
             let by_time = time.map(|time| (time / step).ceil().max(1.0));
             let given = duration.steps.map(|steps| steps as f64);
-            if let (Stage::Stiffen(stiffen), true) = (stage, is_automatic) {
-                // Δt ∝ 1/√k
-                usual /= stiffen.factor.sqrt();
+            match stage {
+                Stage::Stiffen(stiffen) if is_automatic => {
+                    // Δt ∝ 1/√k
+                    usual /= stiffen.factor.sqrt();
+                    stiffness *= stiffen.factor;
+                }
+                Stage::Replace(replace) if is_automatic => {
+                    let fraction = self.accuracy.knobs().critical_step_fraction;
+                    let step = self.step_of_replacing(replace, &samples);
+                    usual = step.map_or(usual, |step| packed * fraction * step / stiffness.sqrt());
+                }
+                _ => {}
             }
             given.or(by_time).unwrap_or(0.0)
         })
@@ -125,6 +135,28 @@ impl GranularScene {
         given + made.sum::<f64>()
     }
 
+    /// The same in each stage.
+    fn work_by_stage(&self) -> impl Iterator<Item = f64> {
+        let mut work = self.work();
+        self.stages.iter().enumerate().map(move |(number, stage)| {
+            if let Stage::Replace(replace) = stage {
+                let members = replace.clump.expected_members() as f64;
+                work += self.expected_replaced(number, replace) * (MEMBER * members - 1.0);
+            }
+            work
+        })
+    }
+
+    /// About the critical step of the smallest clump that takes the place of a sphere [s].
+    fn step_of_replacing(&self, replace: &Replace, bodies: &[Body]) -> Option<f64> {
+        let spheres = bodies.iter().filter(|body| replace.replaces(body));
+        let smallest = spheres
+            .map(Body::smallest_radius)
+            .fold(f64::INFINITY, f64::min);
+        let scale = smallest / replace.equal.radius(&replace.whole()?);
+        self.step_of_clump(&replace.clump, &replace.material, scale)
+    }
+
     /// About the time step that the scene begins with [s].
     pub fn expected_step(&self) -> f64 {
         if let TimeStep::Given(step) = self.time_step_s {
@@ -154,13 +186,18 @@ impl GranularScene {
             };
             Some((template, &generator.material, generator.smallest_scale()))
         });
-        given.chain(made).filter_map(|(clump, material, scale)| {
-            let material = self.materials.get(material)?;
-            let mass = material.density_kg_per_m3 * clump.expected_volume();
-            let stiffness = material.normal_stiffness(clump.radii()[0]);
-            // k ∝ r, m ∝ r³
-            Some(scale * 2.0 / (stiffness * FREEDOM / mass).sqrt())
-        })
+        given
+            .chain(made)
+            .filter_map(|(clump, material, scale)| self.step_of_clump(clump, material, scale))
+    }
+
+    /// That of one, scaled.
+    fn step_of_clump(&self, clump: &Clump, material: &str, scale: f64) -> Option<f64> {
+        let material = self.materials.get(material)?;
+        let mass = material.density_kg_per_m3 * clump.expected_volume();
+        let stiffness = material.normal_stiffness(clump.radii()[0]);
+        // k ∝ r, m ∝ r³
+        Some(scale * 2.0 / (stiffness * FREEDOM / mass).sqrt())
     }
 }
 
@@ -170,7 +207,6 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
     let facets: usize = (spec.facets.iter())
         .map(|mesh| mesh.triangles().map_or(0, |triangles| triangles.len()))
         .sum();
-    let steps = spec.steps();
     let speed = calibration.bond_evaluations_per_s * PARTICLE_STEPS_PER_BOND_EVALUATION;
     let first = spec.record.from_stage;
     let told: f64 = spec.steps_by_stage().skip(first).sum();
@@ -193,10 +229,15 @@ pub(super) fn estimate(spec: &GranularScene, calibration: &Calibration) -> Estim
         .generators()
         .map(|(_, generator)| generator.places())
         .sum();
-    let step_s = SHORTEST_STEP_S + walls + spec.work() / speed;
+    let step_s = |work: f64| SHORTEST_STEP_S + walls + work / speed;
+    let stages = spec.steps_by_stage().zip(spec.work_by_stage());
+    let last = spec.work_by_stage().last().unwrap_or_default();
     Estimate {
         wall_s: START_S
-            + (steps + rows * REGION_STEPS * spec.record.regions.len() as f64) * step_s
+            + stages
+                .map(|(steps, work)| steps * step_s(work))
+                .sum::<f64>()
+            + rows * REGION_STEPS * spec.record.regions.len() as f64 * step_s(last)
             + snapshots * (SNAPSHOT_S[0] + particles * SNAPSHOT_S[1]),
         memory_mb: MEMORY_MB[0]
             + particles * MEMORY_MB[1]

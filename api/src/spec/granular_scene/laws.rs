@@ -72,7 +72,7 @@ pub struct Laws {
     pub local_damping: Option<f64>,
     pub convention: Convention,
     pub bond_rest_length: BondRestLength,
-    /// Cohesion that is higher at first; left out, it is that of the materials all the time.
+    /// Cohesion that is higher at first, or for stages in between; left out, it is that of the materials all the time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raised_cohesion: Option<RaisedCohesion>,
     /// Whether a change of friction by a stage reaches contacts that exist.
@@ -80,15 +80,20 @@ pub struct Laws {
     pub contact_friction: ContactFriction,
 }
 
-/// Cohesion that is multiplied until a stage begins: bonds that rest where their spheres just touch
-/// (`bond_rest_length`: `touching`) are not torn by the overlaps they are made with. From that stage on
-/// every bond has the strength of its material. Source: [Dubina2014] 4.5.
+/// Cohesion that is multiplied for some stages, from the first on unless another is named: bonds that rest where their spheres just touch
+/// (`bond_rest_length`: `touching`) are not torn by the overlaps they are made with, at the start or when a later
+/// stage puts breakable grains in. Before and after these stages every bond has the strength of its material.
+/// Source: [Dubina2014] 4.5.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RaisedCohesion {
     /// What c_N and c_T of all materials are multiplied with.
     #[schemars(range(min = 1.0, max = 1e9), extend("x-unit" = "1"))]
     pub factor: f64,
+    /// The stage, from 0, with which cohesions are raised.
+    #[serde(default, skip_serializing_if = "is_first")]
+    #[schemars(range(max = 999))]
+    pub from_stage: usize,
     /// The stage, from 0, with which cohesions are set back.
     #[schemars(range(min = 1, max = 1000))]
     pub until_stage: usize,
@@ -247,7 +252,8 @@ impl super::GranularScene {
     /// What cohesions are multiplied with during a stage, from 0.
     pub fn cohesion_factor(&self, stage: usize) -> f64 {
         let raised = self.laws.raised_cohesion;
-        let raised = raised.filter(|raised| stage < raised.until_stage);
+        let raised =
+            raised.filter(|raised| (raised.from_stage..raised.until_stage).contains(&stage));
         raised.map_or(1.0, |raised| raised.factor)
     }
 
@@ -259,6 +265,11 @@ impl super::GranularScene {
         let default = if has_restitution { 0.0 } else { LOCAL_DAMPING };
         self.laws.local_damping.unwrap_or(default)
     }
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_first(stage: &usize) -> bool {
+    *stage == 0
 }
 
 fn stiffness_ratio() -> f64 {

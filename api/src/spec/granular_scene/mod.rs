@@ -38,6 +38,7 @@ mod rate;
 mod record;
 mod region;
 mod relax;
+mod replace;
 pub(crate) mod results;
 mod rolling;
 mod speeds;
@@ -51,6 +52,7 @@ mod supply_checks;
 mod touching;
 mod vibrate;
 mod voids;
+mod whole;
 
 use std::{borrow::Cow, collections::BTreeMap};
 
@@ -77,6 +79,7 @@ pub use place::Place;
 pub use record::Record;
 pub use region::Region;
 pub use relax::Relax;
+pub use replace::{Equal, Replace};
 pub use rolling::RollingResistance;
 pub use speeds::LARGEST_WAY;
 pub use stability::{CriticalStep, series_stiffness, step_with_dashpot};
@@ -86,6 +89,7 @@ pub(crate) use supply_checks::check_grain;
 pub use touching::Touching;
 pub use vibrate::Vibrate;
 pub use voids::VoidMap;
+pub(in crate::spec) use whole::Whole;
 
 /// A scene of bodies in contact.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -183,7 +187,7 @@ impl GranularScene {
     }
 
     /// Spheres of all bodies, members of clumps counted each; those to be made as far as they can be
-    /// foreseen.
+    /// foreseen. Those that are replaced count beside what replaces them.
     pub fn particles(&self) -> u64 {
         let given = self.given_bodies();
         let given = given.iter().map(Body::particles);
@@ -191,7 +195,14 @@ impl GranularScene {
             let density = self.density_of(&generator.material);
             generator.expected_particles(density)
         });
-        given.chain(made).fold(0, u64::saturating_add)
+        let replaced = self.replacements().map(|(stage, replace)| {
+            let spheres = self.expected_replaced(stage, replace) as u64;
+            spheres.saturating_mul(replace.clump.expected_members())
+        });
+        given
+            .chain(made)
+            .chain(replaced)
+            .fold(0, u64::saturating_add)
     }
 
     /// Bodies of `bodies` and of `import`; files that cannot be read have none.
@@ -212,6 +223,7 @@ impl GranularScene {
         let is_clump = |generator: &Generate| matches!(generator.grain, Grain::Clump(_));
         self.given_bodies().iter().any(|body| body.clump.is_some())
             || self.generators().any(|(_, generator)| is_clump(generator))
+            || self.replacements().next().is_some()
     }
 
     /// Everything that makes bodies, with its JSON pointer: those of the start, then stages.

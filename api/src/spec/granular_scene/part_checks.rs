@@ -19,8 +19,12 @@ pub(super) fn check_filled_together(spec: &GranularScene) -> Option<Violation> {
         let filled = generator.grain.template()?.filled.as_ref()?;
         Some((pointer, filled))
     });
+    let replacing = spec.replacements().filter_map(|(index, replace)| {
+        let filled = replace.clump.filled.as_ref()?;
+        Some((format!("/stages/{index}/replace/clump"), filled))
+    });
     let mut members = 0_u64;
-    for (pointer, filled) in given.chain(made) {
+    for (pointer, filled) in given.chain(made).chain(replacing) {
         let own = filled.members_by_size();
         if own <= MOST_MEMBERS {
             members += own;

@@ -16,6 +16,10 @@ pub(crate) const RESULTS: &[Named] = &[
     ("escaped_bodies", "1"),
     ("bonds", "1"),
     ("broken_bonds", "1"),
+    ("replaced_spheres", "1"),
+    ("mass_before_replacing", "kg"),
+    ("mass_after_replacing", "kg"),
+    ("overlap_after_replacing", "1"),
     ("removed_bodies", "1"),
     ("removed_mass", "kg"),
 ];

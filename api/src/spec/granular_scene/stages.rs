@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Cut, GranularScene, Insert, Place, Relax, Stiffen, Vibrate,
+    Cut, GranularScene, Insert, Place, Relax, Replace, Stiffen, Vibrate,
     drive::{Drive, swing},
 };
 
@@ -31,6 +31,8 @@ pub enum Stage {
     Cut(Cut),
     /// Sets a wall down where it touches the bodies.
     Place(Place),
+    /// Puts clumps in the places of spheres.
+    Replace(Box<Replace>),
     /// Makes every material stiffer or softer while the bodies move.
     Stiffen(Stiffen),
 }
@@ -161,7 +163,7 @@ impl Stage {
                 steps: Some(stage.steps),
                 time_s: None,
             },
-            Self::Cut(_) | Self::Place(_) => Run {
+            Self::Cut(_) | Self::Place(_) | Self::Replace(_) => Run {
                 steps: None,
                 time_s: None,
             },
@@ -179,13 +181,14 @@ impl Stage {
             | Self::Insert(_)
             | Self::Cut(_)
             | Self::Place(_)
+            | Self::Replace(_)
             | Self::Stiffen(_) => false,
         }
     }
 
     /// Whether it is done between two steps.
     pub fn is_instant(&self) -> bool {
-        matches!(self, Self::Cut(_) | Self::Place(_))
+        matches!(self, Self::Cut(_) | Self::Place(_) | Self::Replace(_))
     }
 
     /// Whether it is meant to be so slow that bodies are close to rest all the time.
@@ -209,6 +212,7 @@ impl Stage {
             Self::Insert(_) => "insert",
             Self::Cut(_) => "cut",
             Self::Place(_) => "place",
+            Self::Replace(_) => "replace",
             Self::Stiffen(_) => "stiffen",
         }
     }

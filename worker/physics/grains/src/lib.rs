@@ -80,7 +80,12 @@ pub fn preview(
 ) -> Result<String, Halt> {
     stages::run::preview(spec, context, recorder)?;
     let words = "The scene before its first step.";
-    let comes = |stage: &Stage| matches!(stage, Stage::Insert(_) | Stage::Place(_));
+    let comes = |stage: &Stage| {
+        matches!(
+            stage,
+            Stage::Insert(_) | Stage::Place(_) | Stage::Replace(_)
+        )
+    };
     Ok(match spec.stages.iter().any(comes) {
         true => format!("{words} What its stages put in later is not in it yet."),
         false => words.to_owned(),

@@ -162,6 +162,45 @@ fn cohesion_that_is_raised_at_first_holds_an_overlap_and_is_set_back() {
     assert_resumes(&pressed_together(Some(3.0)), 2);
 }
 
+/// Cohesion is raised by a stage in between: the pair is pulled beyond a_N there, and tears when the
+/// stage after it sets it back.
+#[test]
+fn cohesion_is_raised_by_a_later_stage_and_set_back_by_the_next() {
+    let mut spec = pressed_together(Some(3.0));
+    spec["laws"]["bond_rest_length"] = json!("initial");
+    let pull = |body: u32, velocity: f64| json!({"body": body, "velocity": {"velocity_m_per_s": [velocity, 0, 0]}});
+    let apart = |velocity: f64, force: f64| {
+        // both ends move
+        let time = force / NORMAL_STIFFNESS / (2.0 * velocity);
+        json!({"drive": {"bodies": [pull(0, -velocity), pull(1, velocity)], "time_s": time}})
+    };
+    spec["laws"]["raised_cohesion"] = json!({"factor": 3.0, "from_stage": 1, "until_stage": 2});
+    spec["stages"] = json!([
+        apart(0.05, 0.5 * NORMAL_STRENGTH),
+        apart(0.05, 1.5 * NORMAL_STRENGTH),
+        apart(0.05, 0.01 * NORMAL_STRENGTH)
+    ]);
+    let (report, record) = run(&spec);
+    let rows = record.table("contacts.csv");
+    let pulled = rows.iter().filter(|row| row[13] > 0.5);
+    let strongest = pulled.map(|row| -row[7]).fold(0.0, f64::max);
+    // 0.1 N a step
+    assert_close(strongest, 2.0 * NORMAL_STRENGTH, 0.15);
+    assert_eq!(report.summary["broken_bonds"].value, Some(1.0));
+    // as long as it stays raised, it holds
+    let mut held = spec.clone();
+    held["stages"] = json!([spec["stages"][0], spec["stages"][1]]);
+    held["stages"][1]["drive"]["bodies"] = spec["stages"][1]["drive"]["bodies"].clone();
+    held["laws"]["raised_cohesion"] = json!({"factor": 3.0, "from_stage": 0, "until_stage": 1});
+    let torn = |spec: &Value| run(spec).0.summary["broken_bonds"].value;
+    assert_eq!(torn(&held), Some(1.0));
+    held["stages"] = json!([spec["stages"][0], spec["stages"][1], {"run": {"steps": 1}}]);
+    held["laws"]["raised_cohesion"] = json!({"factor": 3.0, "from_stage": 1, "until_stage": 2});
+    held["laws"]["raised_cohesion"]["from_stage"] = json!(2);
+    let pointer = "/spec/laws/raised_cohesion/from_stage";
+    assert_eq!(codes(&held), one(pointer, "out_of_order"));
+}
+
 #[test]
 fn what_cannot_be_raised_or_is_never_set_back_is_refused() {
     let mut spec = pressed_together(Some(3.0));

@@ -26,6 +26,7 @@ mod observables;
 mod peers;
 mod placing;
 mod refusals;
+mod replacing;
 mod restitution;
 mod rolling;
 mod rolling_beside_yade;

@@ -4,9 +4,9 @@ use std::f64::consts::FRAC_PI_2;
 use super::super::curve_columns;
 use super::{
     super::super::granular_scene::{
-        Arrangement, Axis, Body, Clump, Cut, DegreeOfFreedom, Drive, FacetMesh, Generate, Grain,
-        Insert, Place, Plane, RaisedCohesion, Run, Settle, Sine, Stage, Stiffen, Vibrate,
-        WallDrive,
+        Arrangement, Axis, Body, Clump, Cut, DegreeOfFreedom, Drive, Equal, FacetMesh, Generate,
+        Grain, Insert, Place, Plane, RaisedCohesion, Relax, Replace, Run, Settle, Sine, Stage,
+        Stiffen, Vibrate, WallDrive,
     },
     super::{Tamper, Tilting},
     super::{
@@ -29,6 +29,10 @@ const STEPS_PER_DOUBLING: f64 = 200.0;
 const STEPS_TO_REST: u64 = 20_000;
 /// Unbalanced force ratio of a bed that is shaken next.
 const BEFORE_SHAKING: f64 = 0.1;
+/// Overlap over the smaller radius to which clumps that stand out of their spheres are taken apart, and
+/// the steps that may take.
+const TAKEN_APART: f64 = 0.02;
+const STEPS_APART: u64 = 20_000;
 /// Material of a sleeper of spheres, which has the mass it should.
 const SLEEPER: &str = "sleeper";
 
@@ -133,11 +137,22 @@ impl Script {
         }
     }
 
+    /// Solid volume that is poured for a layer [m³].
+    fn poured_volume(&self, layer: &Layer) -> f64 {
+        let kept = (self.spheres_first.as_ref()).map_or(1.0, |first| first.volume_ratio);
+        SOLID_FRACTION * self.overfill * layer.volume / kept
+    }
+
+    /// How far a layer of spheres sinks when clumps have taken their places [m].
+    fn sinking(&self, layer: &Layer, volume_ratio: f64) -> f64 {
+        let bed = self.poured_volume(layer) / (SOLID_FRACTION * layer.area());
+        bed * (1.0 - volume_ratio).max(0.0)
+    }
+
     /// Height of the column in which a layer is poured [m].
     pub(in crate::spec::ballast) fn column(&self, layer: &Layer) -> f64 {
-        let [lower, upper] = layer.footprint.bounds();
-        let area = layer.footprint.volume() / (upper[2] - lower[2]);
-        let solid = SOLID_FRACTION * self.overfill * layer.volume;
+        let area = layer.area();
+        let solid = self.poured_volume(layer);
         // a grain needs its own height too
         solid / (self.placed_fraction * area) + self.largest_diameter
     }
@@ -156,7 +171,7 @@ impl Script {
     /// Pours a layer and lets it settle.
     pub(in crate::spec::ballast) fn pour(&mut self, layer: &Layer) {
         let density = self.scene.materials[AGGREGATE].density_kg_per_m3;
-        let solid = SOLID_FRACTION * self.overfill * layer.volume;
+        let solid = self.poured_volume(layer);
         let pour = Generate {
             region: layer.footprint.with_height(self.column(layer)),
             mass_kg: Some(density * solid),
@@ -189,6 +204,28 @@ impl Script {
             settle.unbalanced_force_ratio = settle.unbalanced_force_ratio.max(BEFORE_SHAKING);
         }
         self.add(Phase::Settle, Stage::Settle(settle));
+        if let Some(first) = &self.spheres_first {
+            let equal = first.equal;
+            let replace = Replace {
+                material: AGGREGATE.to_owned(),
+                clump: first.clump.clone(),
+                equal,
+            };
+            let after = match equal {
+                Equal::Mass => Stage::Relax(Relax {
+                    largest_overlap_ratio: TAKEN_APART,
+                    steps: STEPS_APART,
+                }),
+                // again most of them fall
+                Equal::Size => Stage::Run(Run {
+                    steps: None,
+                    time_s: Some(self.fall(self.sinking(layer, first.volume_ratio))),
+                }),
+            };
+            self.add(Phase::Replace, Stage::Replace(Box::new(replace)));
+            self.add(Phase::Replace, after);
+            self.add(Phase::Settle, Stage::Settle(settle));
+        }
     }
 
     /// Shakes what has been poured, if the bed is to be compacted, and lets it rest.
@@ -248,6 +285,7 @@ impl Script {
         let last = self.phases.iter().rposition(|phase| *phase == Phase::Pour);
         self.scene.laws.raised_cohesion = factor.map(|factor| RaisedCohesion {
             factor,
+            from_stage: 0,
             until_stage: last.map_or(1, |last| last + 1),
         });
     }

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 
 use super::{
     super::super::granular_scene::{Generate, GranularScene, Record, Settle, VoidMap},
-    super::{Apparatus, Ballast, Knobs, Materials, materials::AGGREGATE},
+    super::{Apparatus, Ballast, Knobs, Materials, grains::SpheresFirst, materials::AGGREGATE},
     GRAVITY, Phase, Script, Slice,
 };
 
@@ -38,6 +38,12 @@ impl<A: Apparatus> Ballast<A> {
         script
     }
 
+    /// Spheres that clumps take the places of, if any do.
+    pub(in crate::spec::ballast) fn spheres_first(&self) -> Option<SpheresFirst> {
+        self.grains
+            .spheres_first(self.preparation.poured_as_spheres?)
+    }
+
     /// Materials and laws, before there is anything.
     fn opening(&self, knobs: &Knobs, materials: &Materials) -> Script {
         let softened = knobs.stiffness * self.softening();
@@ -49,6 +55,8 @@ impl<A: Apparatus> Ballast<A> {
             })
             .collect();
         let preparation = &self.preparation;
+        let spheres_first = self.spheres_first();
+        let poured = (spheres_first.as_ref()).map_or(&self.grains, |first| &first.spheres);
         let (law, damping) = (self.laws.contact, self.laws.local_damping);
         let mut scene = GranularScene {
             gravity_m_per_s2: [0.0, 0.0, -GRAVITY],
@@ -76,14 +84,18 @@ impl<A: Apparatus> Ballast<A> {
             slices: Vec::new(),
             bed: Slice::default(),
             template: Generate {
-                grain: self.grains.shape.clone(),
-                sizes: self.grains.sizes(),
-                arrangement: self.grains.arrangement,
-                turned: self.grains.turned,
+                grain: poured.shape.clone(),
+                sizes: poured.sizes(),
+                arrangement: poured.arrangement,
+                turned: poured.turned,
                 ..Generate::of(AGGREGATE)
             },
-            placed_fraction: self.grains.placed_fraction(),
-            largest_diameter: self.grains.largest_diameter(),
+            placed_fraction: poured.placed_fraction(),
+            largest_diameter: (spheres_first.as_ref()).map_or_else(
+                || self.grains.largest_diameter(),
+                SpheresFirst::largest_diameter,
+            ),
+            spheres_first,
             settle: Settle {
                 unbalanced_force_ratio: preparation.unbalanced_force_ratio,
                 steps: None,

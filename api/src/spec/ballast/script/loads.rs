@@ -21,7 +21,10 @@ impl<A: Apparatus> Ballast<A> {
         let pace = Pace {
             inertial_number: knobs.inertial_number,
             area: self.apparatus.loaded_area(),
-            diameter: self.grains.mean_diameter(),
+            diameter: (self.spheres_first()).map_or_else(
+                || self.grains.mean_diameter(),
+                |first| first.mean_diameter(),
+            ),
             density: aggregate.density_kg_per_m3,
             modulus: knobs.stiffness * aggregate.youngs_modulus_pa,
         };

@@ -47,6 +47,8 @@ pub(crate) struct Journal {
     pub(crate) supplied: usize,
     /// Stages that ended before all was in, and how many grains were left.
     pub(crate) not_inserted: Vec<(usize, usize)>,
+    /// Spheres that clumps have replaced.
+    pub(crate) replacements: Vec<Replacement>,
     /// Bodies that were taken out, and their mass [kg].
     pub(crate) removed_bodies: u64,
     pub(crate) removed_mass: f64,
@@ -59,6 +61,17 @@ pub(crate) struct Journal {
     pub(crate) last: Reading,
     /// Sum over steps of the candidates looked at.
     pub(crate) candidate_steps: u64,
+}
+
+/// What a stage that replaced spheres did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Replacement {
+    pub(crate) stage: usize,
+    pub(crate) spheres: u64,
+    /// Mass of the spheres, and of the clumps [kg].
+    pub(crate) masses: [f64; 2],
+    /// Largest compression over the smaller radius when the clumps were there.
+    pub(crate) overlap_ratio: f64,
 }
 
 /// How far a servo was from its force when its stage ended.

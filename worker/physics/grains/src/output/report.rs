@@ -145,6 +145,36 @@ fn results(report: &mut ReportBuilder, engine: &Engine, journal: &Journal, escap
         report.count("bonds", made as usize, "Bonds made at the start.");
         report.count("broken_bonds", broken as usize, "Bonds that broke.");
     }
+    if !journal.replacements.is_empty() {
+        let done = &journal.replacements;
+        let count: u64 = done.iter().map(|done| done.spheres).sum();
+        let mass = |of: usize| done.iter().map(|done| done.masses[of]).sum();
+        let overlap = done.iter().map(|done| done.overlap_ratio);
+        let rows = [
+            (
+                "replaced_spheres",
+                count as f64,
+                "1",
+                "Spheres that clumps took the places of.",
+            ),
+            (
+                "mass_before_replacing",
+                mass(0),
+                "kg",
+                "Mass of these spheres.",
+            ),
+            ("mass_after_replacing", mass(1), "kg", "Mass of the clumps."),
+            (
+                "overlap_after_replacing",
+                overlap.fold(0.0, f64::max),
+                "1",
+                "Largest overlap over the smaller radius when clumps had just taken the places of spheres.",
+            ),
+        ];
+        for (name, value, unit, description) in rows {
+            report.result(name, value, unit, description);
+        }
+    }
     if journal.removed_bodies > 0 {
         let count = journal.removed_bodies as f64;
         report.result("removed_bodies", count, "1", "Bodies that stages took out.");

@@ -19,6 +19,7 @@ use loadframe_harness::{
 use nalgebra::UnitQuaternion;
 use rand::seq::SliceRandom as _;
 
+use super::replacing;
 use crate::{
     generate::{Amount, Region, Sizes, bounding_radius, insert, place_regularly, random_rotation},
     geometry::{sphere::Sphere, union::mass_properties},
@@ -34,6 +35,8 @@ pub(crate) struct Specimen<'a> {
     pub(crate) present: usize,
     /// Those that wait for a stage to put them in, about the origin, by number of the stage.
     pub(crate) waiting: BTreeMap<usize, Range<usize>>,
+    /// Numbers of the spheres whose places those of a stage take, in their order, by number of the stage.
+    pub(crate) replaced: BTreeMap<usize, Vec<u32>>,
 }
 
 /// Streams of generators in stages begin here, so that a further generator at the start changes none.
@@ -75,20 +78,38 @@ impl<'a> Specimen<'a> {
         let present = bodies.len();
         let is_made = !spec.generate.is_empty() || spec.bodies.iter().any(Body::is_filled);
         let mut waiting = BTreeMap::new();
-        for (stage, insert) in spec.stages.iter().enumerate() {
-            let Stage::Insert(insert) = insert else {
-                continue;
+        let mut replaced = BTreeMap::new();
+        for (number, stage) in spec.stages.iter().enumerate() {
+            let stream = FIRST_STAGE_STREAM + number;
+            let coming = match stage {
+                Stage::Insert(insert) => {
+                    let maker = Maker::new(spec, &insert.bodies, stream).map_err(|error| {
+                        wrong(&format!("/stages/{number}/insert/bodies"), error)
+                    })?;
+                    maker.waiting()
+                }
+                Stage::Replace(replace) => {
+                    interrupt.heed()?;
+                    let mut before: Vec<u32> = replaced.values().flatten().copied().collect();
+                    before.sort_unstable();
+                    let (spheres, clumps) = replacing::clumps(
+                        spec, replace, stream, &bodies, &before,
+                    )
+                    .map_err(|error| wrong(&format!("/stages/{number}/replace/clump"), error))?;
+                    replaced.insert(number, spheres);
+                    clumps
+                }
+                _ => continue,
             };
-            let maker = Maker::new(spec, &insert.bodies, FIRST_STAGE_STREAM + stage)
-                .map_err(|error| wrong(&format!("/stages/{stage}/insert/bodies"), error))?;
             let first = bodies.len();
-            bodies.to_mut().extend(maker.waiting());
-            waiting.insert(stage, first..bodies.len());
+            bodies.to_mut().extend(coming);
+            waiting.insert(number, first..bodies.len());
         }
         let specimen = Self {
             bodies,
             present,
             waiting,
+            replaced,
         };
         if specimen.bodies.len() >= PLACES_PER_LOOK {
             interrupt.heed()?;
@@ -302,7 +323,7 @@ impl<'a> Maker<'a> {
 
 /// Members about their centre of mass, and their volume [m³]: of the union when they are one body,
 /// else the sum.
-fn about_centre(clump: &Clump, is_rigid: bool) -> (Vec<Sphere>, f64) {
+pub(super) fn about_centre(clump: &Clump, is_rigid: bool) -> (Vec<Sphere>, f64) {
     let sphere = |member: &Member| Sphere::new(member.offset_m.into(), member.radius_m);
     let mut members: Vec<Sphere> = clump.members.iter().map(sphere).collect();
     let (centre, volume) = if is_rigid {

@@ -55,6 +55,9 @@ pub(crate) fn run(
         if let Stage::Place(place) = stage {
             runner.place(place, recorder)?;
         }
+        if let Stage::Replace(replace) = stage {
+            runner.replace(replace, recorder)?;
+        }
         while !runner.is_stage_done(stage) {
             work += runner.steps_unseen(stage, work)?;
             if runner.is_stage_done(stage) {

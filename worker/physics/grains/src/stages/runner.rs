@@ -16,6 +16,8 @@ pub(crate) struct Runner<'a> {
     pub(crate) journal: Journal,
     /// Bodies that wait for a stage, by its number.
     pub(crate) reserved: BTreeMap<usize, Range<usize>>,
+    /// Spheres whose places they take, by number of the stage.
+    pub(crate) replaced: BTreeMap<usize, Vec<u32>>,
     /// All bodies as they are described.
     pub(super) bodies: Cow<'a, [Body]>,
     pub(super) recorded: Vec<u32>,
@@ -54,6 +56,7 @@ impl<'a> Runner<'a> {
             journal: Journal::default(),
             recorded: spec.recorded_bodies(specimen.numbers()),
             reserved: specimen.waiting,
+            replaced: specimen.replaced,
             bodies: specimen.bodies,
             automatic,
             foreseen,

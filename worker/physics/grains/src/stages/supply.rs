@@ -150,7 +150,7 @@ impl Runner<'_> {
 
 impl Particles {
     /// Adds copies of `range` of others, moved by `shift` [m].
-    fn append(&mut self, others: &Self, range: Range<usize>, shift: &Vector) {
+    pub(super) fn append(&mut self, others: &Self, range: Range<usize>, shift: &Vector) {
         fn copy<T: Copy>(to: &mut Vec<T>, from: &[T], range: &Range<usize>) {
             if !from.is_empty() {
                 to.extend_from_slice(&from[range.clone()]);
