@@ -256,6 +256,21 @@ impl Store {
         Ok(version.unwrap_or_default().unsigned_abs())
     }
 
+    /// [`Self::jobs_version`], and [`Self::access_version`] of the same moment.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn list_version(&self) -> Result<(u64, u64)> {
+        let (jobs, access): (Option<i64>, i64) =
+            query_as("SELECT (SELECT MAX(seq) FROM events), version FROM access")
+                .fetch_one(self.lookups())
+                .await?;
+        Ok((
+            jobs.unwrap_or_default().unsigned_abs(),
+            access.unsigned_abs(),
+        ))
+    }
+
     /// Jobs by id, in any order; those that are gone are left out.
     pub(super) async fn jobs_by_id(&self, ids: &[Uuid]) -> Result<Vec<JobView>> {
         let rows: Vec<JobRow> = query_as(select_jobs!(
