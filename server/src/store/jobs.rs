@@ -250,10 +250,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn jobs_version(&self) -> Result<u64> {
-        let version: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
-            .fetch_one(self.lookups())
-            .await?;
-        Ok(version.unwrap_or_default().unsigned_abs())
+        Ok(self.access_state().counts(self.lookups()).await?.jobs)
     }
 
     /// [`Self::jobs_version`], and [`Self::access_version`] of the same moment.
@@ -261,14 +258,8 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn list_version(&self) -> Result<(u64, u64)> {
-        let (jobs, access): (Option<i64>, i64) =
-            query_as("SELECT (SELECT MAX(seq) FROM events), version FROM access")
-                .fetch_one(self.lookups())
-                .await?;
-        Ok((
-            jobs.unwrap_or_default().unsigned_abs(),
-            access.unsigned_abs(),
-        ))
+        let counts = self.access_state().counts(self.lookups()).await?;
+        Ok((counts.jobs, counts.access))
     }
 
     /// Jobs by id, in any order; those that are gone are left out.

@@ -11,7 +11,7 @@ use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::super::Store;
-use super::super::database::{query, query_as, query_scalar, row};
+use super::super::database::{query, query_as, row};
 use super::super::encoding::{parsed, variant};
 use super::super::error::{Result, StoreError};
 use super::remembered::{Remembered, Secret};
@@ -123,10 +123,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn access_version(&self) -> Result<u64> {
-        let version: i64 = query_scalar("SELECT version FROM access")
-            .fetch_one(self.lookups())
-            .await?;
-        Ok(version.unsigned_abs())
+        Ok(self.access_state().counts(self.lookups()).await?.access)
     }
 
     /// Who has the token whose secret has this SHA-256.

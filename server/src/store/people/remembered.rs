@@ -4,9 +4,12 @@
 //! kept by triggers). A request reads this count first; what was read before under the same count is so still.
 //! The count is always read before what is remembered under it, which is thus as new as the count or newer.
 //!
+//! Requests that come while the count is being read share the next reading, as commands share a commit: so a
+//! hundred at once are a reading or two.
+//!
 //! Whether there are people at all is looked up twice a second, and the count too, for open streams.
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -28,6 +31,26 @@ pub struct AccessState {
     has_people: AtomicBool,
     version: watch::Sender<u64>,
     known: Mutex<Known>,
+    /// Readings of the counts that have begun.
+    begun: AtomicU64,
+    last: tokio::sync::Mutex<Reading>,
+}
+
+/// What the counts were.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reading {
+    /// As how many readings had begun with it.
+    number: u64,
+    counts: Counts,
+}
+
+/// How often things have changed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in super::super) struct Counts {
+    /// Who may see and do what.
+    pub(in super::super) access: u64,
+    /// Jobs: the number of the last event.
+    pub(in super::super) jobs: u64,
 }
 
 /// What was read since access changed last.
@@ -69,6 +92,8 @@ impl AccessState {
             has_people: AtomicBool::new(false),
             version: watch::Sender::new(0),
             known: Mutex::default(),
+            begun: AtomicU64::new(0),
+            last: tokio::sync::Mutex::default(),
         };
         state.refresh(pool).await?;
         Ok(Arc::new(state))
@@ -94,6 +119,25 @@ impl AccessState {
                 tracing::warn!(%error, "who has access could not be read");
             }
         }
+    }
+
+    /// The counts, by a reading that begins after the call does.
+    pub(in super::super) async fn counts(&self, pool: &Pool) -> Result<Counts> {
+        let begun = self.begun.load(Ordering::SeqCst);
+        let mut last = self.last.lock().await;
+        if last.number <= begun {
+            let number = self.begun.fetch_add(1, Ordering::SeqCst) + 1;
+            let (access, jobs): (i64, Option<i64>) =
+                query_as("SELECT version, (SELECT MAX(seq) FROM events) FROM access")
+                    .fetch_one(pool)
+                    .await?;
+            let counts = Counts {
+                access: access.unsigned_abs(),
+                jobs: jobs.unwrap_or_default().unsigned_abs(),
+            };
+            *last = Reading { number, counts };
+        }
+        Ok(last.counts)
     }
 
     pub(super) fn has_people(&self) -> bool {

@@ -119,3 +119,39 @@ async fn a_token_ends_at_its_moment_and_its_use_is_written_down_each_minute() {
     now.store(first + DAY, Ordering::SeqCst);
     assert_eq!(asks().await, 401);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_count_that_many_requests_read_together_is_no_older_than_any_of_them() {
+    const READERS: usize = 16;
+    const CHANGES: usize = 40;
+    let group = Group::open().await;
+    let other = beside(&group).await;
+    let known = Arc::<AtomicI64>::default();
+    let count = |version: u64| i64::try_from(version).expect("a count");
+    let mut readers = tokio::task::JoinSet::new();
+    for _ in 0..READERS {
+        let (store, known) = (group.lab.store.clone(), Arc::clone(&known));
+        readers.spawn(async move {
+            let mut read = 0;
+            while known.load(Ordering::SeqCst) >= 0 {
+                let before = known.load(Ordering::SeqCst);
+                let version = store.access_version().await.expect("a count");
+                assert!(count(version) >= before, "{version} after {before}");
+                read += 1;
+            }
+            read
+        });
+    }
+    // another process changes access, and tells each change that has been made
+    for number in 0..CHANGES {
+        let is_member = number % 2 == 0;
+        let changed = other.set_member(group.paper, group.carl.id, is_member);
+        changed.await.expect("changed");
+        let version = other.access_version().await.expect("a count");
+        assert!(count(version) > known.swap(count(version), Ordering::SeqCst));
+    }
+    known.store(-1, Ordering::SeqCst);
+    while let Some(read) = readers.join_next().await {
+        assert!(read.expect("no reader fails") > 0);
+    }
+}
