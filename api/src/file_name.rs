@@ -23,7 +23,7 @@ fn is_device(part: &str) -> bool {
         let digit = stem.strip_prefix(*port);
         digit.is_some_and(|digit| matches!(digit.as_bytes(), [b'1'..=b'9']))
     };
-    DEVICES.contains(&&*stem) || PORTS.iter().any(|port| is_port(&port))
+    DEVICES.contains(&&*stem) || PORTS.iter().any(is_port)
 }
 
 /// Accepts relative paths that are safe on every file system and in every archive.
