@@ -19,6 +19,8 @@ use super::problem::{ApiError, Result, TOO_MANY_REQUESTS};
 
 /// Bodies of one client that are checked or wait for it.
 const A_CLIENT: usize = 256;
+/// Pictures of one client that are drawn or wait for it: a page asks for one.
+const PICTURES_OF_A_CLIENT: usize = 4;
 /// How long a body waits for its turn: several of the longest checks.
 const LONGEST_WAIT: Duration = Duration::from_secs(20);
 /// When to come again [s].
@@ -31,7 +33,7 @@ pub(super) enum Client {
     Address(Option<IpAddr>),
 }
 
-/// Turns to check.
+/// Turns to check bodies, or to draw what they describe.
 #[derive(Clone, Debug)]
 pub(super) struct Checks(Arc<Inner>);
 
@@ -39,6 +41,9 @@ pub(super) struct Checks(Arc<Inner>);
 struct Inner {
     turns: Arc<Semaphore>,
     turns_of_a_client: usize,
+    places_of_a_client: usize,
+    /// What a client is told who has no place left.
+    no_place: &'static str,
     clients: Mutex<HashMap<Client, Weak<Share>>>,
     /// Names tokens without holding them.
     names: RandomState,
@@ -60,16 +65,33 @@ struct Turn {
 
 impl Default for Checks {
     fn default() -> Self {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        Self::with_turns(cores.max(2))
+        Self::with_turns(cores())
     }
+}
+
+fn cores() -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    cores.max(2)
 }
 
 impl Checks {
     fn with_turns(turns: usize) -> Self {
+        let no_place = "of your bodies are being checked or wait for it";
+        Self::of(turns, A_CLIENT, no_place)
+    }
+
+    /// Turns to draw pictures, which take longer than checks and do not hold these up.
+    pub(super) fn of_pictures() -> Self {
+        let no_place = "of your pictures are being drawn or wait for it";
+        Self::of(cores(), PICTURES_OF_A_CLIENT, no_place)
+    }
+
+    fn of(turns: usize, places_of_a_client: usize, no_place: &'static str) -> Self {
         Self(Arc::new(Inner {
             turns: Arc::new(Semaphore::new(turns)),
             turns_of_a_client: turns - 1,
+            places_of_a_client,
+            no_place,
             clients: Mutex::default(),
             names: RandomState::new(),
         }))
@@ -105,7 +127,7 @@ impl Checks {
     async fn turn(&self, client: Client) -> Result<Turn> {
         let share = self.share(client);
         let Ok(place) = share.places.clone().try_acquire_owned() else {
-            let detail = format!("{A_CLIENT} of your bodies are being checked or wait for it");
+            let detail = format!("{} {}", self.0.places_of_a_client, self.0.no_place);
             return Err(ApiError::later(TOO_MANY_REQUESTS, detail, RETRY_S));
         };
         let turns = async {
@@ -118,7 +140,7 @@ impl Checks {
                 _share: share,
                 _permits: permits,
             }),
-            _ => Err(ApiError::busy("too many bodies are being checked", RETRY_S)),
+            _ => Err(ApiError::busy("too many others wait for the same", RETRY_S)),
         }
     }
 
@@ -131,7 +153,7 @@ impl Checks {
         // who has nothing under way is forgotten, so that there are no more than there are requests
         clients.retain(|_, share| share.strong_count() > 0);
         let share = Arc::new(Share {
-            places: Arc::new(Semaphore::new(A_CLIENT)),
+            places: Arc::new(Semaphore::new(self.0.places_of_a_client)),
             turns: Arc::new(Semaphore::new(self.0.turns_of_a_client)),
         });
         clients.insert(client, Arc::downgrade(&share));

@@ -99,7 +99,7 @@ async fn refuse(state: &AppState, given: &Given, trace: &Trace) -> ApiError {
             return ApiError::new(FORBIDDEN, detail);
         }
         Given::Cookie => return refusal("the session has ended; sign in again"),
-        Given::Bearer => {}
+        Given::Bearer | Given::Link => {}
     }
     let counted = trace.address.map(|address| {
         let wrong_tokens = &state.access.wrong_tokens;
@@ -111,6 +111,9 @@ async fn refuse(state: &AppState, given: &Given, trace: &Trace) -> ApiError {
             tokio::time::sleep(PAUSE).await;
             too_many("too many wrong tokens came from your address", wait)
         }
+        _ if *given == Given::Link => refusal(
+            "this link is not in force: it has expired or was taken back, or what it showed was deleted",
+        ),
         _ => refusal("this token is not in force"),
     }
 }

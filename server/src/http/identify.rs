@@ -19,6 +19,8 @@ use crate::store::people::Arrival;
 pub(super) enum Given {
     Nothing,
     Bearer,
+    /// The secret of a link, as a bearer.
+    Link,
     Cookie,
     /// The word of a proxy, for this name.
     Proxy(String),
@@ -51,7 +53,11 @@ pub(super) async fn identify(
         } else {
             store.caller_by_token(&sha256).await?
         };
-        return Ok((caller, Given::Bearer));
+        let given = match secret.starts_with(LINK) {
+            true => Given::Link,
+            false => Given::Bearer,
+        };
+        return Ok((caller, given));
     }
     let sign_on = access.single_sign_on.as_ref().filter(|_| has_people);
     if let Some(vouched) = sign_on.and_then(|of| of.vouched_by_proxy(peer, headers)) {

@@ -107,7 +107,7 @@ impl Call {
     ) -> Result<()> {
         self.ask(action, Object::Lab)?;
         let projects = store.project_facts().await?;
-        let facts = store.comparison_facts(id, projects).await?;
+        let facts = store.comparison_facts(id, &projects).await?;
         self.ask(action, Object::Comparison(&facts))
     }
 
@@ -120,8 +120,8 @@ impl Call {
     ) -> Result<ProjectFacts> {
         self.ask(action, Object::Lab)?;
         let projects = store.project_facts().await?;
-        let found = projects.into_iter().find(|project| project.id == id);
-        let found = found.ok_or_else(|| missing("project", id))?;
+        let found = projects.iter().find(|project| project.id == id);
+        let found = found.cloned().ok_or_else(|| missing("project", id))?;
         self.ask(action, Object::Project(&found))?;
         Ok(found)
     }

@@ -180,15 +180,17 @@ row! {
 }
 
 impl Wanted {
-    /// What waits and may run, those that need most memory first.
+    /// What waits and may run, those that need most memory first: of each line no more than its owner may have
+    /// running beside what runs.
     async fn read(database: &Pool) -> Result<Vec<Self>> {
         let rows: Vec<WantedRow> = query_as(
-            "SELECT l.kind, CAST(SUM(l.jobs) AS BIGINT) AS jobs,
-                    n.memory_mb, n.disk_mb, n.core_s, n.threads, n.release
-             FROM waiting_lines l JOIN needs n ON n.id = l.needs
-             WHERE NOT EXISTS (SELECT 1 FROM people p WHERE p.id = l.owner AND p.most_running <=
-                (SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
-                 WHERE a.ended_at IS NULL AND j.owner = p.id))
+            "SELECT l.kind, n.memory_mb, n.disk_mb, n.core_s, n.threads, n.release,
+                    CAST(SUM(CASE WHEN p.room < l.jobs THEN p.room ELSE l.jobs END) AS BIGINT) AS jobs
+             FROM waiting_lines l JOIN needs n ON n.id = l.needs LEFT JOIN
+                (SELECT p.id, p.most_running - (SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
+                    WHERE a.ended_at IS NULL AND j.owner = p.id) AS room
+                 FROM people p WHERE p.most_running IS NOT NULL) p ON p.id = l.owner
+             WHERE p.room IS NULL OR p.room > 0
              GROUP BY l.kind, n.id, n.memory_mb, n.disk_mb, n.core_s, n.threads, n.release
              ORDER BY n.memory_mb DESC",
         )

@@ -205,17 +205,21 @@ impl Change {
 
     /// Charges an attempt that has ended to the person whose job it was.
     pub(super) async fn charge(&mut self, attempt: i64) -> Result<()> {
-        let found: Option<(Uuid, Option<f64>, i64, i64)> = query_as(
-            "SELECT p.id, p.use_level, a.started_at, a.threads
+        let found: Option<(Uuid, Option<f64>, i64, i64, bool)> = query_as(
+            "SELECT p.id, p.use_level, a.started_at, a.threads, p.most_running IS NOT NULL
              FROM attempts a JOIN jobs j ON j.seq = a.job JOIN people p ON p.id = j.owner
              WHERE a.seq = ?",
         )
         .bind(attempt)
         .fetch_optional(&mut self.connection)
         .await?;
-        let Some((person, level, started_at, threads)) = found else {
+        let Some((person, level, started_at, threads, has_limit)) = found else {
             return Ok(());
         };
+        if has_limit {
+            // another job of theirs may have waited for this alone
+            self.queued();
+        }
         let now = self.now.as_millis();
         let core_s = (now - started_at) as f64 / 1000.0 * threads as f64;
         query("UPDATE people SET use_level = ? WHERE id = ?")

@@ -204,6 +204,19 @@ impl Change {
             let sentence = format!("{OUTCOME_FILE} is missing among the files");
             return Err(StoreError::Invalid(sentence));
         }
+        // some file systems, and readers of archives on them, would keep one of them
+        let mut folded = HashMap::with_capacity(files.len());
+        for file in files {
+            if let Some(other) = folded.insert(file.name.to_ascii_lowercase(), &file.name)
+                && *other != file.name
+            {
+                let sentence = format!(
+                    "the files {other} and {} would be one where case does not count",
+                    file.name
+                );
+                return Err(StoreError::Invalid(sentence));
+            }
+        }
         let uploaded: Vec<(String, i64, String)> =
             query_as("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?")
                 .bind(attempt.seq)

@@ -250,10 +250,16 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn jobs_version(&self) -> Result<u64> {
-        let version: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
-            .fetch_one(self.lookups())
-            .await?;
-        Ok(version.unwrap_or_default().unsigned_abs())
+        Ok(self.access_state().counts(self.lookups()).await?.jobs)
+    }
+
+    /// [`Self::jobs_version`], and [`Self::access_version`] of the same moment.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn list_version(&self) -> Result<(u64, u64)> {
+        let counts = self.access_state().counts(self.lookups()).await?;
+        Ok((counts.jobs, counts.access))
     }
 
     /// Jobs by id, in any order; those that are gone are left out.

@@ -19,6 +19,9 @@ use crate::access::Sight;
 pub(super) const LONGEST_PAGE: u32 = 1000;
 /// So many jobs are looked at one by one: a page's work, whatever else is asked of them.
 const FEW: i64 = 500;
+/// For a page of what one sees, so many times as many are looked at before it is merged from each part: that
+/// takes a tenth of the time where it finds them, and little where it does not.
+const LOOKED_AT: u32 = 4;
 /// Where a moment parts the jobs, so many are passed over without asking where it does.
 const PASSED_OVER: i64 = 20_000;
 
@@ -70,14 +73,14 @@ impl Store {
         let limit = limit.clamp(1, LONGEST_PAGE);
         let before = number_of(cursor)?;
         let rows = match &filter.sight {
-            // a page of what one sees is merged from that of each part
+            // a page of what one sees is often among the newest of all
             Some(sight) if !sight.everything && filter.narrows_nothing_else() => {
-                let newest = self.newest_seen(sight, before.unwrap_or(i64::MAX), limit + 1);
-                let mut query = Builder::new(SELECT_JOBS);
-                query.push("jobs j WHERE j.seq IN (SELECT CAST(value AS BIGINT) FROM json_each(");
-                query.push_bind(json(&newest.await?)?);
-                query.push(")) ORDER BY j.seq DESC");
-                query.build_query_as().fetch_all(self.reads()).await?
+                let before = before.unwrap_or(i64::MAX);
+                let rows = self.among_newest(filter, before, limit + 1).await?;
+                match rows.is_empty() {
+                    true => self.merged(sight, before, limit + 1).await?,
+                    false => rows,
+                }
             }
             _ => self.filtered(filter, before, limit + 1).await?,
         };
@@ -107,6 +110,40 @@ impl Store {
             .build_query_scalar()
             .fetch_all(&mut connection)
             .await?)
+    }
+
+    /// The newest `count` jobs before number `before` that the caller sees, where they are found among not
+    /// many more that are newer than all others; else none.
+    async fn among_newest(
+        &self,
+        filter: &JobFilter,
+        before: i64,
+        count: u32,
+    ) -> Result<Vec<JobRow>> {
+        let words = Words::of(filter, self.reads().texts())?;
+        let mut query = Builder::new(
+            "WITH newest AS MATERIALIZED (SELECT j.seq
+             FROM (SELECT seq, id, owner, project FROM jobs WHERE seq < ",
+        );
+        query.push_bind(before).push(" ORDER BY seq DESC LIMIT ");
+        query.push_bind(LOOKED_AT * count).push(") j WHERE TRUE");
+        words.push_sight(&mut query);
+        query.push(" ORDER BY j.seq DESC LIMIT ").push_bind(count);
+        query.push(") ").push(SELECT_JOBS);
+        query.push("jobs j WHERE j.seq IN (SELECT seq FROM newest)");
+        query.push(" AND (SELECT COUNT(*) FROM newest) = ");
+        query.push_bind(count).push(" ORDER BY j.seq DESC");
+        Ok(query.build_query_as().fetch_all(self.reads()).await?)
+    }
+
+    /// The same jobs, wherever they are, merged from each part of what is seen.
+    async fn merged(&self, sight: &Sight, before: i64, count: u32) -> Result<Vec<JobRow>> {
+        let newest = self.newest_seen(sight, before, count);
+        let mut query = Builder::new(SELECT_JOBS);
+        query.push("jobs j WHERE j.seq IN (SELECT CAST(value AS BIGINT) FROM json_each(");
+        query.push_bind(json(&newest.await?)?);
+        query.push(")) ORDER BY j.seq DESC");
+        Ok(query.build_query_as().fetch_all(self.reads()).await?)
     }
 
     async fn filtered(

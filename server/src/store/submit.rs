@@ -1,10 +1,12 @@
 //! What users do to jobs: submit, edit, ask, delete.
+use loadframe_api::people::PersonLimits;
 use loadframe_api::{Estimate, JobView, ReasonCode, Submission};
 use uuid::Uuid;
 
-use super::database::{query, query_as, query_scalar};
+use super::database::{query, query_as, query_scalar, row};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
+use super::people::takes_no_jobs;
 use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
 use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
@@ -13,6 +15,20 @@ use crate::queue::needs::Needs;
 
 /// What was submitted under a key.
 const KEY: &str = "SELECT body_sha256, job FROM idempotency_keys WHERE key = ?";
+
+row! {
+    /// What a submission is checked by.
+    struct Admission {
+        /// The row of its needs, if it has one.
+        needs: Option<i64>,
+        /// Who submits, and what that person may use.
+        person: Option<Uuid>,
+        most_running: Option<u32>,
+        most_queued_core_h: Option<f64>,
+        most_disk_gb: Option<f64>,
+        may_hurry: bool,
+    }
+}
 
 /// The row of a new job.
 struct NewJob {
@@ -181,17 +197,20 @@ impl Change {
                 None => self.remember(key, job.id).await?,
             }
         }
-        self.check_limits(job.priority, &job.estimate).await?;
-        let needs = self.needs_row(&job.needs).await?;
-        let seq: i64 = query_scalar(
+        let needs = self.admit(job).await?;
+        let person = self.actor.as_ref().and_then(|actor| actor.person);
+        let (seq, project): (i64, Option<Uuid>) = query_as(
             // a job of before there were people is the first administrator's, also at the last moment
             "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
                                reason, created_at, updated_at, estimate, overrun_factor, owner,
                                project, needs, threads)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?10, ?11, ?12,
                 COALESCE(?13, (SELECT id FROM people WHERE role = 'administrator'
-                               ORDER BY created_at LIMIT 1)), ?14, ?15, ?16)
-             RETURNING seq",
+                               ORDER BY created_at LIMIT 1)),
+                COALESCE(?14, (SELECT id FROM projects
+                    WHERE person = ?13 AND archived_at IS NULL AND deleted_at IS NULL
+                    ORDER BY created_at, id LIMIT 1)), ?15, ?16)
+             RETURNING seq, project",
         )
         .bind(job.id)
         .bind(job.kind)
@@ -205,12 +224,15 @@ impl Change {
         .bind(self.now.as_millis())
         .bind(json(&job.estimate)?)
         .bind(job.overrun_factor)
-        .bind(self.actor.as_ref().and_then(|actor| actor.person))
+        .bind(person)
         .bind(job.project)
         .bind(needs)
         .bind(job.threads)
         .fetch_one(&mut self.connection)
         .await?;
+        if person.is_some() && project.is_none() {
+            return Err(takes_no_jobs());
+        }
         query("INSERT INTO specs (job, json) VALUES (?, ?)")
             .bind(seq)
             .bind(&job.spec)
@@ -266,13 +288,47 @@ impl Change {
         Ok(())
     }
 
-    /// The row of these needs.
-    async fn needs_row(&mut self, needs: &Needs) -> Result<i64> {
-        // the change that does nothing lets RETURNING see the row that is there
+    /// Refuses a job that its person may not submit; the row of its needs.
+    async fn admit(&mut self, job: &NewJob) -> Result<i64> {
+        let person = self.actor.as_ref().and_then(|actor| actor.person);
+        let needs = &job.needs;
+        // in one statement, which every submission waits for
+        let known: Admission = query_as(
+            "SELECT (SELECT id FROM needs WHERE memory_mb = ?1 AND disk_mb = ?2 AND core_s = ?3
+                        AND threads = ?4 AND release = ?5) AS needs,
+                    p.id AS person, p.most_running, p.most_queued_core_h, p.most_disk_gb,
+                    COALESCE(p.may_hurry OR p.role = 'administrator', FALSE) AS may_hurry
+             FROM (SELECT 1 AS one) one LEFT JOIN people p ON p.id = ?6",
+        )
+        .bind(needs.memory_mb)
+        .bind(needs.disk_mb)
+        .bind(needs.core_s)
+        .bind(needs.threads)
+        .bind(needs.release)
+        .bind(person)
+        .fetch_one(&mut self.connection)
+        .await?;
+        if let Some(person) = known.person {
+            let limits = PersonLimits {
+                running: known.most_running,
+                queued_core_h: known.most_queued_core_h,
+                disk_gb: known.most_disk_gb,
+                may_hurry: known.may_hurry,
+            };
+            self.check_limits(person, limits, job.priority, &job.estimate)
+                .await?;
+        }
+        match known.needs {
+            Some(needs) => Ok(needs),
+            None => self.new_needs(needs).await,
+        }
+    }
+
+    /// A row for needs that no job had yet.
+    async fn new_needs(&mut self, needs: &Needs) -> Result<i64> {
         let id = query_scalar(
-            "INSERT INTO needs (memory_mb, disk_mb, core_s, threads, release) VALUES (?, ?, ?, ?, ?)
-             ON CONFLICT (memory_mb, disk_mb, core_s, threads, release)
-                DO UPDATE SET release = excluded.release RETURNING id",
+            "INSERT INTO needs (memory_mb, disk_mb, core_s, threads, release)
+             VALUES (?, ?, ?, ?, ?) RETURNING id",
         )
         .bind(needs.memory_mb)
         .bind(needs.disk_mb)

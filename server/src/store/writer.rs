@@ -22,7 +22,7 @@ use super::clock::Clock;
 use super::collector::Garbage;
 use super::database::{self, Connection, Database, News, raise};
 use super::error::{Result, StoreError};
-use super::people::Actor;
+use super::people::{Actor, Line};
 use super::reserve::{Reserve, told_full};
 use super::supervision::{Restarts, caught, until_done};
 
@@ -70,6 +70,8 @@ struct Effects {
     queued: bool,
     /// Files that may have lost the last row that names them.
     garbage: Vec<String>,
+    /// Lines for the audit log, which are part of the transaction.
+    lines: Vec<Line>,
 }
 
 /// Types of events, see the table of that name.
@@ -104,6 +106,11 @@ impl Change {
     /// Notes that a job is waiting in the queue.
     pub(super) fn queued(&mut self) {
         self.effects.queued = true;
+    }
+
+    /// Notes a line for the audit log, which is written before the commit.
+    pub(super) fn note_line(&mut self, line: Line) {
+        self.effects.lines.push(line);
     }
 
     /// Notes files that may have lost the last row that names them.
@@ -293,8 +300,10 @@ async fn commit(
             effects.last_event = made.last_event.or(effects.last_event);
             effects.queued |= made.queued;
             effects.garbage.extend(made.garbage);
+            effects.lines.extend(made.lines);
         }
     }
+    change.write_lines(&effects.lines).await?;
     if effects.last_event.is_some() || effects.queued {
         let (last_event, queued) = (effects.last_event, effects.queued);
         let news = News {

@@ -11,9 +11,12 @@ mod errors;
 mod events;
 mod files;
 mod foreign;
+mod formulas;
 mod guide;
 mod jobs;
 mod kinds;
+mod many_previews;
+mod names;
 mod openapi;
 #[path = "../shared/outcome.rs"]
 mod outcome;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
+use loadframe_api::people::PersonLimits;
 use loadframe_server::store::Store;
 use tokio::sync::mpsc;
 use tokio::task::JoinSet;
@@ -88,4 +89,39 @@ async fn no_call_is_lost_by_workers_that_go_away() {
         let id = id.expect("every job is taken").expect("workers are there");
         assert!(seen.insert(id), "{id} was taken twice");
     }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_that_waited_for_its_owners_limit_calls_a_worker_when_another_ends() {
+    let lab = Lab::open(LONG).await;
+    let ada = lab.create_first_administrator("Ada", "a password for tests");
+    let ada = ada.await.expect("an administrator").id;
+    let limits = PersonLimits {
+        running: Some(1),
+        ..PersonLimits::default()
+    };
+    lab.set_limits(ada, limits).await.expect("set");
+    // jobs of before there were people are hers, at the last moment too
+    let first = lab.submit().await;
+    let running = lab.claim(&worker("first")).await.expect("an answer");
+    let running = running.expect("a job");
+    assert_eq!(running.job_id, first);
+    let (second, third) = (lab.submit().await, lab.submit().await);
+    let (looks, mut tasks) = (Arc::<AtomicUsize>::default(), JoinSet::new());
+    let (taken, mut told) = mpsc::unbounded_channel();
+    for _ in 0..8 {
+        tasks.spawn(take(lab.store.clone(), Arc::clone(&looks), taken.clone()));
+    }
+    while looks.load(Ordering::Relaxed) < 8 {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    lab.finish(&running).await;
+    let next = timeout(NEVER, told.recv())
+        .await
+        .expect("a worker is called");
+    assert_eq!(next, Some(second));
+    // one more may run, and one was called for it, though two waited
+    let looks = looks.load(Ordering::Relaxed);
+    assert!(looks <= 8 + 3, "{looks} looks for one job");
+    assert_eq!(lab.view(third).await.position, Some(1));
 }

@@ -95,4 +95,25 @@ mod tests {
             "modulus_at_2_5_percent,modulus at 2.5 %,,N/m,,,,,,it had parted before,,,,"
         );
     }
+
+    #[test]
+    fn no_text_of_a_row_is_a_formula_and_numbers_stay_numbers() {
+        // names of scenes are people's
+        let force = Quantity::new(-2.5, "@N", "");
+        let torn = Quantity::new(f64::NAN, "N", "").or_because("+1 was torn");
+        let summary = [("=plate".to_owned(), force), ("torn".to_owned(), torn)];
+        let report = Report {
+            summary: summary.into_iter().collect(),
+            ..Report::default()
+        };
+        let mut bytes = Vec::new();
+        write(&mut bytes, &report).expect("a Vec takes everything");
+        let text = String::from_utf8(bytes).expect("text");
+        let rows: Vec<Vec<&str>> = text.lines().map(|row| row.split(',').collect()).collect();
+        assert_eq!(rows[1][0], "\"'=plate\"");
+        assert_eq!((rows[1][2], rows[1][3]), ("-2.5", "\"'@N\""));
+        assert_eq!(rows[2][9], "\"'+1 was torn\"");
+        let is_formula = |cell: &&str| cell.starts_with(['=', '+', '@']);
+        assert!(!rows.iter().flatten().any(is_formula), "{text}");
+    }
 }

@@ -174,18 +174,17 @@ async fn seen(
     permit: &Permit<Read>,
     query: &ListQuery,
 ) -> Result<(Option<Sight>, String)> {
-    let jobs = state.store.jobs_version().await?;
+    let (jobs, access) = state.store.list_version().await?;
     let caller = &permit.call.caller;
     if caller.identity == Identity::Sole {
         return Ok((None, jobs.to_string()));
     }
     // the same jobs are another list for somebody else, and after a change of who sees what
-    let access = state.store.access_version().await?;
     let who = match (caller.person(), caller.credential.id()) {
         (Some(person), _) => person.id,
         (None, id) => id.unwrap_or_default(),
     };
-    let projects = state.store.project_facts().await?;
+    let projects = state.store.project_facts_of(access).await?;
     let mut sight = Sight::of(caller, &projects);
     if query.project.is_none() {
         sight = sight.without_archived(&projects);

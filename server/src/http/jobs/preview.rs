@@ -1,7 +1,7 @@
 //! `POST /v1/jobs/preview`: the specimen, before the job is submitted.
 //!
 //! What draws it is part of the engine, which this library does not know: whoever composes the executable
-//! hands it in ([`crate::ServeConfig::preview`]). It runs where bodies are checked, with a turn of its own.
+//! hands it in ([`crate::ServeConfig::preview`]). It has turns of its own, so that no submission waits for it.
 use axum::Json;
 use axum::extract::State;
 use loadframe_api::{Extent, Preview, Violation};
@@ -73,7 +73,7 @@ pub(super) async fn preview(
         tokio::time::sleep(state.preview_time).await;
     };
     let drawn = tokio::select! {
-        drawn = state.checks.run(client, draw) => drawn?,
+        drawn = state.pictures.run(client, draw) => drawn?,
         () = time_is_over => Ok(None),
     };
     match drawn {

@@ -93,7 +93,13 @@ pub(super) async fn create(
     {
         return answer(before);
     }
-    let project = project_of(&state, &permit.call, project).await?;
+    let project = match project {
+        Some(id) => {
+            let of = permit.call.ask_of_project(&state.store, Action::Submit, id);
+            Some(of.await?.id)
+        }
+        None => None,
+    };
     let measured = state.store.calibration().await?;
     let (mut checked, _body) = read(&state, &permit.call, body, measured).await?;
     checked.project = project;
@@ -102,22 +108,13 @@ pub(super) async fn create(
         let detail = "its estimate exceeds what this server gives a single job";
         return Err(ApiError::new(INVALID_JOB, detail).violations(violations));
     }
-    let allowance = match permit.call.caller.person() {
-        Some(person) => Some(state.store.allowance(person.id).await?),
-        None => None,
-    };
-    let priority = checked.submission.priority;
-    let violations = allowance.map(|of| of.violations(priority, &checked.estimate));
-    let violations = violations.unwrap_or_default();
-    if let Some(first) = violations.first() {
-        let detail = first.detail.clone();
-        return Err(ApiError::new(INVALID_JOB, detail).violations(violations));
-    }
     if dry_run {
+        let allowance = allowance_for(&state, &permit.call, &checked).await?;
         return Ok(Json(dry_run_of(checked, measured, allowance)?).into_response());
     }
     let kind = checked.submission.spec.kind();
-    let enqueued = permit.store.enqueue_checked(checked, key).await?;
+    let enqueued = permit.store.enqueue_checked(checked, key).await;
+    let enqueued = enqueued.map_err(beyond_limits)?;
     metrics::counter!("loadframe_submissions_total", "kind" => kind.name())
         .increment(u64::from(!enqueued.replayed));
     answer(enqueued)
@@ -158,17 +155,34 @@ fn answer(enqueued: Enqueued) -> Result<Response> {
     Ok(response)
 }
 
-/// The project a job of the caller goes to; none where there are no people.
-async fn project_of(state: &AppState, call: &Call, named: Option<Uuid>) -> Result<Option<Uuid>> {
-    match (named, call.caller.person()) {
-        (Some(id), _) => {
-            let project = call
-                .ask_of_project(&state.store, Action::Submit, id)
-                .await?;
-            Ok(Some(project.id))
+/// What the caller may use, where the job would be taken; none where there are no people.
+async fn allowance_for(
+    state: &AppState,
+    call: &Call,
+    checked: &CheckedSubmission,
+) -> Result<Option<Allowance>> {
+    let Some(person) = call.caller.person() else {
+        return Ok(None);
+    };
+    if checked.project.is_none() {
+        state.store.project_of(person.id).await?;
+    }
+    let allowance = state.store.allowance(person.id).await?;
+    let violations = allowance.violations(checked.submission.priority, &checked.estimate);
+    match violations.is_empty() {
+        true => Ok(Some(allowance)),
+        false => Err(beyond_limits(StoreError::Refused(violations))),
+    }
+}
+
+/// A job that its person may not submit is an invalid one.
+fn beyond_limits(error: StoreError) -> ApiError {
+    match error {
+        StoreError::Refused(violations) => {
+            let detail = violations.first().map(|first| first.detail.clone());
+            ApiError::new(INVALID_JOB, detail.unwrap_or_default()).violations(violations)
         }
-        (None, Some(person)) => Ok(Some(state.store.project_of(person.id).await?)),
-        (None, None) => Ok(None),
+        error => error.into(),
     }
 }
 

@@ -1,11 +1,9 @@
 //! Who a secret belongs to, and whose an object is: what [`crate::access`] decides by.
 //!
-//! Nothing is remembered here from one request to the next, so that what was revoked ends with the next
-//! request, by whichever process it was revoked; only whether there are people at all is looked up
-//! twice a second, and the number that counts changes of access, for open streams.
+//! A request reads how often access has changed, and what is [`super::remembered`] under that count still holds:
+//! so what was revoked ends with the next request, by whichever process it was revoked. Links, and people whom
+//! a proxy vouches for, are read each time.
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use loadframe_api::Timestamp;
 use loadframe_api::people::Scope;
@@ -13,60 +11,18 @@ use tokio::sync::watch;
 use uuid::Uuid;
 
 use super::super::Store;
-use super::super::database::{Pool, query, query_as, query_scalar, row};
+use super::super::database::{query, query_as, row};
 use super::super::encoding::{parsed, variant};
 use super::super::error::{Result, StoreError};
+use super::remembered::{Remembered, Secret};
 use crate::access::{Caller, Credential, Identity, JobFacts, Link, Person, ProjectFacts};
 
-/// How often changes by other processes are looked for.
-const LOOK_EVERY: Duration = Duration::from_millis(500);
 /// A session that nobody used for so long has ended [ms].
 pub(super) const LONGEST_IDLE: i64 = 7 * 24 * 3_600_000;
 /// The last use of a token is written down to this [ms],
 const TOKEN_USE: i64 = 60_000;
 /// and that of a session to this [ms].
 const SESSION_USE: i64 = 600_000;
-
-/// What is known of access without asking each time.
-#[derive(Debug)]
-pub struct AccessState {
-    has_people: AtomicBool,
-    version: watch::Sender<u64>,
-}
-
-impl AccessState {
-    /// As it is in the database.
-    pub(in super::super) async fn read(pool: &Pool) -> Result<Arc<Self>> {
-        let state = Self {
-            has_people: AtomicBool::new(false),
-            version: watch::Sender::new(0),
-        };
-        state.refresh(pool).await?;
-        Ok(Arc::new(state))
-    }
-
-    pub(super) async fn refresh(&self, pool: &Pool) -> Result<()> {
-        let (version, has_people): (i64, bool) =
-            query_as("SELECT version, EXISTS (SELECT 1 FROM people) FROM access")
-                .fetch_one(pool)
-                .await?;
-        self.has_people.store(has_people, Ordering::Release);
-        let version = version.unsigned_abs();
-        self.version
-            .send_if_modified(|known| std::mem::replace(known, version) != version);
-        Ok(())
-    }
-
-    /// Follows the database until nobody else has this.
-    pub(in super::super) async fn keep_fresh(self: Arc<Self>, pool: Pool) {
-        while Arc::strong_count(&self) > 1 {
-            tokio::time::sleep(LOOK_EVERY).await;
-            if let Err(error) = self.refresh(&pool).await {
-                tracing::warn!(%error, "who has access could not be read");
-            }
-        }
-    }
-}
 
 row! {
     /// A person's session or token.
@@ -154,12 +110,12 @@ impl FactsRow {
 impl Store {
     /// Whether this server has accounts; a running one follows other processes within a second.
     pub fn has_people(&self) -> bool {
-        self.access_state().has_people.load(Ordering::Acquire)
+        self.access_state().has_people()
     }
 
     /// Wakes after changes of who may see what; holds their count.
     pub fn access_changes(&self) -> watch::Receiver<u64> {
-        self.access_state().version.subscribe()
+        self.access_state().changes()
     }
 
     /// Counts changes of who may see what.
@@ -167,10 +123,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn access_version(&self) -> Result<u64> {
-        let version: i64 = query_scalar("SELECT version FROM access")
-            .fetch_one(self.lookups())
-            .await?;
-        Ok(version.unsigned_abs())
+        Ok(self.access_state().counts(self.lookups()).await?.access)
     }
 
     /// Who has the token whose secret has this SHA-256.
@@ -178,7 +131,15 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn caller_by_token(&self, sha256: &str) -> Result<Option<Caller>> {
-        self.token_caller(Some(sha256), None).await
+        let secret = Secret::Token(sha256.to_owned());
+        let found = match self.remembered(&secret).await? {
+            Ok(caller) => Some(caller),
+            Err(access) => {
+                let found = self.token_caller(Some(sha256), None).await?;
+                self.remember(access, secret, found)
+            }
+        };
+        Ok(found.filter(|caller| !self.is_nobodys(caller)))
     }
 
     /// Who is signed in by the session whose secret has this SHA-256, in a cookie of that kind.
@@ -186,7 +147,33 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn caller_by_session(&self, sha256: &str, is_secure: bool) -> Result<Option<Caller>> {
-        self.session_caller(Some((sha256, is_secure)), None).await
+        let secret = Secret::Session(sha256.to_owned(), is_secure);
+        match self.remembered(&secret).await? {
+            Ok(caller) => Ok(Some(caller)),
+            Err(access) => {
+                let found = self.session_caller(Some((sha256, is_secure)), None).await?;
+                Ok(self.remember(access, secret, found))
+            }
+        }
+    }
+
+    /// The caller with this secret as remembered, or else under which count of changes to remember it.
+    async fn remembered(&self, secret: &Secret) -> Result<std::result::Result<Caller, u64>> {
+        let access = self.access_version().await?;
+        let known = self.access_state().caller(access, secret, self.now());
+        Ok(known.ok_or(access))
+    }
+
+    fn remember(&self, access: u64, secret: Secret, found: Option<Remembered>) -> Option<Caller> {
+        let found = found?;
+        let caller = found.caller.clone();
+        self.access_state().remember(access, secret, found);
+        Some(caller)
+    }
+
+    /// A token of before there were people is the first administrator's; another one is nobody's.
+    fn is_nobodys(&self, caller: &Caller) -> bool {
+        caller.identity == Identity::Sole && self.has_people()
     }
 
     /// What the link whose secret has this SHA-256 shows.
@@ -206,14 +193,25 @@ impl Store {
             // on the day a server gets people, who was nobody has to sign in
             Credential::Local if caller.identity == Identity::Sole && self.has_people() => Ok(None),
             Credential::Local => Ok(Some(caller.clone())),
-            Credential::Token(id) => self.token_caller(None, Some(id)).await,
-            Credential::Session(id) => self.session_caller(None, Some(id)).await,
+            Credential::Token(id) => {
+                let found = self.token_caller(None, Some(id)).await?;
+                let caller = found.map(|found| found.caller);
+                Ok(caller.filter(|caller| !self.is_nobodys(caller)))
+            }
+            Credential::Session(id) => {
+                let found = self.session_caller(None, Some(id)).await?;
+                Ok(found.map(|found| found.caller))
+            }
             Credential::Link(id) => self.link_caller(None, Some(id)).await,
             Credential::Proxy(person) => self.person_caller(person, caller.credential).await,
         }
     }
 
-    async fn token_caller(&self, sha256: Option<&str>, id: Option<Uuid>) -> Result<Option<Caller>> {
+    async fn token_caller(
+        &self,
+        sha256: Option<&str>,
+        id: Option<Uuid>,
+    ) -> Result<Option<Remembered>> {
         let now = self.now().as_millis();
         let row: Option<CredentialRow> = query_as(
             "SELECT t.id, t.scope, t.expires_at, t.last_used_at, t.person, p.name, p.role,
@@ -228,25 +226,18 @@ impl Store {
         .fetch_optional(self.lookups())
         .await?;
         let Some(row) = row else { return Ok(None) };
-        if row.last_used_at.is_none_or(|used| used + TOKEN_USE < now) {
-            self.note_use(
-                "UPDATE tokens SET last_used_at = ?1 WHERE id = ?2",
-                row.id,
-                now,
-            );
-        }
-        let (id, is_owned) = (row.id, row.person.is_some());
-        let caller = row.caller(Credential::Token(id))?;
-        // a token of before there were people is the first administrator's; another one is nobody's
-        let is_nobodys = !is_owned && caller.identity == Identity::Sole && self.has_people();
-        Ok(Some(caller).filter(|_| !is_nobodys))
+        let statement = "UPDATE tokens SET last_used_at = ?1 WHERE id = ?2";
+        let until = self.used_until(&row, TOKEN_USE, statement, now);
+        let credential = Credential::Token(row.id);
+        let caller = row.caller(credential)?;
+        Ok(Some(Remembered { caller, until }))
     }
 
     async fn session_caller(
         &self,
         secret: Option<(&str, bool)>,
         id: Option<Uuid>,
-    ) -> Result<Option<Caller>> {
+    ) -> Result<Option<Remembered>> {
         let now = self.now().as_millis();
         let row: Option<CredentialRow> = query_as(
             "SELECT s.id, 'everything' AS scope, s.expires_at, s.last_used_at, s.person, p.name, p.role,
@@ -263,15 +254,26 @@ impl Store {
         .fetch_optional(self.lookups())
         .await?;
         let Some(row) = row else { return Ok(None) };
-        if row.last_used_at.is_none_or(|used| used + SESSION_USE < now) {
-            self.note_use(
-                "UPDATE sessions SET last_used_at = ?1 WHERE id = ?2",
-                row.id,
-                now,
-            );
-        }
-        let id = row.id;
-        row.caller(Credential::Session(id)).map(Some)
+        let statement = "UPDATE sessions SET last_used_at = ?1 WHERE id = ?2";
+        let until = self.used_until(&row, SESSION_USE, statement, now);
+        let credential = Credential::Session(row.id);
+        let caller = row.caller(credential)?;
+        Ok(Some(Remembered { caller, until }))
+    }
+
+    /// Until when [ms since 1970] the use of a credential is written down, to `every`; done where it is due.
+    fn used_until(
+        &self,
+        row: &CredentialRow,
+        every: i64,
+        statement: &'static str,
+        now: i64,
+    ) -> i64 {
+        let noted = row.last_used_at.filter(|used| used + every >= now);
+        noted.unwrap_or_else(|| {
+            self.note_use(statement, row.id, now);
+            now
+        }) + every
     }
 
     /// A person whom somebody else vouches for; nothing for who has left.
@@ -371,7 +373,19 @@ impl Store {
     ///
     /// # Errors
     /// The database's.
-    pub async fn project_facts(&self) -> Result<Vec<ProjectFacts>> {
+    pub async fn project_facts(&self) -> Result<Arc<[ProjectFacts]>> {
+        let access = self.access_version().await?;
+        self.project_facts_of(access).await
+    }
+
+    /// The same, where access has changed so often by now.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn project_facts_of(&self, access: u64) -> Result<Arc<[ProjectFacts]>> {
+        if let Some(known) = self.access_state().projects(access) {
+            return Ok(known);
+        }
         let rows: Vec<FactsRow> = query_as(
             "SELECT NULL AS owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
@@ -379,11 +393,10 @@ impl Store {
         )
         .fetch_all(self.lookups())
         .await?;
-        let facts = rows.iter().map(FactsRow::project);
-        Ok(facts
-            .collect::<Result<Vec<_>>>()?
-            .into_iter()
-            .flatten()
-            .collect())
+        let facts = rows.iter().filter_map(|row| row.project().transpose());
+        let facts: Arc<[ProjectFacts]> = facts.collect::<Result<_>>()?;
+        self.access_state()
+            .remember_projects(access, Arc::clone(&facts));
+        Ok(facts)
     }
 }

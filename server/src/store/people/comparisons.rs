@@ -219,7 +219,7 @@ impl Store {
     pub async fn comparison_facts(
         &self,
         id: Uuid,
-        projects: Vec<ProjectFacts>,
+        projects: &[ProjectFacts],
     ) -> Result<ComparisonFacts> {
         let row: Option<(Option<Uuid>, Option<Uuid>)> =
             query_as("SELECT owner, project FROM comparisons WHERE id = ?")
@@ -231,7 +231,7 @@ impl Store {
         Ok(ComparisonFacts {
             id,
             owner,
-            project: projects.into_iter().find(is_its),
+            project: projects.iter().find(|of| is_its(of)).cloned(),
         })
     }
 }

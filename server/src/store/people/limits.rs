@@ -111,17 +111,15 @@ async fn used_by(connection: &mut Connection, person: Uuid, now: i64) -> Result<
 }
 
 impl Change {
-    /// Refuses a job that its person may not submit.
+    /// Refuses a job that a person with these limits may not submit.
     pub(in crate::store) async fn check_limits(
         &mut self,
+        person: Uuid,
+        limits: PersonLimits,
         priority: i32,
         estimate: &Estimate,
     ) -> Result<()> {
-        let Some(person) = self.actor.as_ref().and_then(|actor| actor.person) else {
-            return Ok(());
-        };
         let now = self.now.as_millis();
-        let limits = limits(&mut self.connection, person).await?;
         // most people have none, and every submission waits here
         let used = if limits.has_any() {
             used_by(&mut self.connection, person, now).await?

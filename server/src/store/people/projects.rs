@@ -182,9 +182,14 @@ impl Store {
         .bind(person)
         .fetch_optional(self.lookups())
         .await?;
-        let sentence = "you have no project that takes jobs; make one, bring one back, or name one";
-        found.ok_or_else(|| StoreError::Conflict(sentence.to_owned()))
+        found.ok_or_else(takes_no_jobs)
     }
+}
+
+/// A person whose projects are all archived.
+pub(in crate::store) fn takes_no_jobs() -> StoreError {
+    let sentence = "you have no project that takes jobs; make one, bring one back, or name one";
+    StoreError::Conflict(sentence.to_owned())
 }
 
 impl Change {

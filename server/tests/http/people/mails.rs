@@ -14,7 +14,7 @@ use tokio::net::{TcpListener, TcpStream};
 use uuid::Uuid;
 
 use super::group::{Group, Somebody, id_of};
-use crate::support::Lab;
+use crate::support::{JSON, Lab, request};
 
 const MINUTE: i64 = 60_000;
 
@@ -306,4 +306,67 @@ async fn what_cannot_be_an_address_or_is_one_too_many_is_refused() {
             .contains("--mail"),
         "{problem}"
     );
+}
+
+/// The rows of `audited` that need a server which sends e-mail.
+#[tokio::test]
+async fn each_change_of_an_address_is_this_pages_own_and_has_one_line_in_the_log() {
+    let (postbox, port) = Postbox::open().await;
+    let group = group(port).await;
+    let (ada, anna) = (&group.ada, &group.anna);
+    let log = async || {
+        let log = group.get(ada, "/v1/audit?limit=1000").await.json();
+        log["items"].as_array().expect("lines").clone()
+    };
+    let mut id = String::new();
+    for (method, action) in [
+        ("POST", "mail.made"),
+        ("VERIFY", "mail.verified"),
+        ("DELETE", "mail.removed"),
+    ] {
+        let (method, path, body) = match method {
+            "POST" => {
+                let body = json!({ "address": "anna@example.org", "events": ["ended"] });
+                (method, "/v1/mails".to_owned(), body.to_string())
+            }
+            "VERIFY" => {
+                assert_eq!(told(&group, 0).await, 1);
+                let secret = secret_in(&postbox.take()[0]);
+                let body = json!({ "secret": secret }).to_string();
+                ("POST", "/v1/mails/verify".to_owned(), body)
+            }
+            _ => (method, format!("/v1/mails/{id}"), String::new()),
+        };
+        let before = log().await.len();
+        let (cookie, session) = &anna.known_by;
+        for page in [
+            None,
+            Some(("origin", "http://evil.example")),
+            Some(("sec-fetch-site", "cross-site")),
+        ] {
+            let mut headers = vec![(*cookie, session.as_str()), JSON];
+            headers.extend(page);
+            let foreign = request(method, &path, &headers, &body);
+            let foreign = group.lab.send(foreign).await;
+            foreign.problem(403, "foreign-origin");
+        }
+        assert_eq!(log().await.len(), before, "{action}");
+        let answer = group.send(anna, method, &path, &body).await;
+        assert!((200..300).contains(&answer.status), "{action}: {answer:?}");
+        if action == "mail.made" {
+            id = id_of(&answer.json()).to_string();
+        }
+        let lines = log().await;
+        assert_eq!(lines.len(), before + 1, "{action}");
+        let line = &lines[0];
+        assert_eq!(
+            (&line["action"], &line["who"], &line["object"]),
+            (&json!(action), &json!("Anna"), &json!(id)),
+            "{line}"
+        );
+        assert_eq!(line["request"], answer.header("x-request-id"));
+        assert!(line["credential"].is_string(), "{line}");
+        // the host of an address is told, never whose it is
+        assert!(!line.to_string().contains("anna@"), "{line}");
+    }
 }

@@ -425,3 +425,62 @@ async fn queued_core_hours_near_a_limit_are_told_once() {
     let part = number("used_core_h") / number("limit_core_h");
     assert!((part - 2.0 / 2.1).abs() < 1e-3, "{about}");
 }
+
+/// What the guide tells a receiver to check, at the moment `now` [s since 1970].
+fn is_genuine(secret: &str, signature: &str, body: &str, now: i64) -> bool {
+    let Some((moment, digits)) = signature.split_once(",v1=") else {
+        return false;
+    };
+    let seconds = moment.strip_prefix("t=").unwrap_or_default();
+    let mut mac = Hmac::<Sha256>::new_from_slice(secret.as_bytes()).expect("a key");
+    mac.update(format!("{seconds}.{body}").as_bytes());
+    let right = mac.finalize().into_bytes();
+    let right: String = right.iter().map(|byte| format!("{byte:02x}")).collect();
+    let age = seconds.parse().map(|seconds: i64| (now - seconds).abs());
+    digits == right && age.is_ok_and(|age| age < 300)
+}
+
+/// A message that somebody has caught is good for five minutes, and one that the server tries again much later
+/// is signed anew.
+#[tokio::test]
+async fn a_message_caught_on_its_way_is_told_by_its_age_and_one_tried_again_is_not() {
+    let group = group().await;
+    let (receiver, url) = Receiver::open().await;
+    let (_, secret) = made(&group, &group.anna, &url, json!(["ended"]), None).await;
+    let project = group
+        .project(&group.anna, Visibility::Private, None)
+        .await
+        .id;
+    end(&group, &group.anna, project).await;
+    let start = Timestamp::now().as_millis() / 1000;
+    receiver.answers(Some(StatusCode::SERVICE_UNAVAILABLE));
+    assert_eq!(told(&group, 1).await, 0);
+    receiver.answers(None);
+    assert_eq!(told(&group, 20).await, 1);
+    let taken = std::mem::take(&mut *receiver.taken.lock().expect("taken"));
+    let [(caught, body), (again, same)] = &taken[..] else {
+        panic!("two messages: {taken:?}");
+    };
+    let (minute, twentieth) = (start + 60, start + 20 * 60);
+    assert!(is_genuine(&secret, caught, body, minute));
+    assert!(is_genuine(&secret, caught, body, minute + 4 * 60));
+    assert!(!is_genuine(&secret, caught, body, minute + 6 * 60));
+    assert!(is_genuine(&secret, again, same, twentieth));
+    // with another moment, body or secret it is nobody's
+    let (_, digits) = caught.split_once(",v1=").expect("two parts");
+    let renewed = format!("t={twentieth},v1={digits}");
+    assert!(!is_genuine(&secret, &renewed, body, twentieth));
+    assert!(!is_genuine(
+        &secret,
+        caught,
+        &body.replace("ended", "endet"),
+        minute
+    ));
+    assert!(!is_genuine("lfw_other", caught, body, minute));
+    // the same event, by its number
+    let number = |body: &String| {
+        let message: Value = serde_json::from_str(body).expect("JSON");
+        message["events"][0]["number"].clone()
+    };
+    assert_eq!(number(body), number(same));
+}
