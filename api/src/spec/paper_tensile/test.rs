@@ -43,7 +43,7 @@ pub struct Dynamics {
     #[schemars(range(min = 1e-3, max = 1e6), extend("x-unit" = "1/s"))]
     pub strain_rate_per_s: f64,
     /// Drag on what moves otherwise than a sheet that is stretched evenly, over the critical one of the slowest
-    /// vibration along the pull.
+    /// vibration along the pull. It acts from outside: while masses move to where a break lets them, the jaws differ by it.
     #[serde(default = "damping")]
     #[schemars(range(min = 0.0, max = 10.0), extend("x-unit" = "1"))]
     pub damping: f64,
@@ -58,7 +58,7 @@ pub struct Dynamics {
 }
 
 fn damping() -> f64 {
-    0.5
+    0.1
 }
 
 fn added_mass() -> f64 {

@@ -9,8 +9,9 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::super::balance::{Forces, Motion};
-use super::super::clusters::Standing;
+use super::super::clusters::{Clusters, Standing};
 use super::super::element::PARTS;
+use super::super::equilibrium::{Equilibrium, Refactoring};
 use super::super::error::FrameError;
 use super::super::events::{Bore, Breaking, Broken, Event, PullEnd, Step, bore};
 use super::super::network::Network;
@@ -23,8 +24,6 @@ use super::super::survey::{breaks_at, survey_of};
 use super::masses::Masses;
 use super::{MotionReport, MotionTest};
 
-/// Forces over the largest between which the slope of the curve is the stiffness: below, the start shakes.
-const SLOPE: [f64; 2] = [0.05, 0.25];
 /// Force over the largest from which on it is asked whether all is at rest.
 const ASKED_FROM: f64 = 0.1;
 
@@ -111,30 +110,31 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
             masses,
             state,
         };
-        pull.drag = 2.0 * motion.damping * pull.slowest();
         match pull.state.moving.take() {
             Some(moving) => pull.put(moving)?,
-            None => pull.start(),
+            None => pull.start()?,
+        }
+        // the slowest vibration along the pull of a rod between both jaws: π √(K/M)
+        let mass = (1.0 + pull.added_mass) * pull.masses.own;
+        if mass > 0.0 {
+            let stiffness = pull.state.measures.initial_stiffness_mn / length;
+            pull.drag = 2.0 * motion.damping * PI * (stiffness / mass).sqrt();
         }
         Ok(pull)
     }
 
-    /// Frequency [1/µs] of the slowest vibration along the pull of a rod between both jaws that is as stiff as the
-    /// network is against an even stretch: π √(K/M).
-    fn slowest(&mut self) -> f64 {
-        for node in 0..self.network.nodes() {
-            let share = self.even(node);
-            self.motion.nodes[node][0].x = share;
-        }
-        self.look();
-        let stiffness = 2.0 * self.forces.energy;
-        self.motion = Motion::rest(self.network.nodes());
-        let mass = (1.0 + self.added_mass) * self.masses.own;
-        if mass > 0.0 {
-            PI * (stiffness / mass).sqrt()
-        } else {
-            0.0
-        }
+    /// Force per strain [mN] at rest, before anything breaks.
+    fn stiffness_at_rest(network: &'n Network) -> Result<f64, FrameError> {
+        let unit = (1.0, [].as_slice());
+        let whole = ([].as_slice(), [].as_slice());
+        let rest = Equilibrium::<E>::new(
+            network,
+            Clusters::Spanning,
+            unit,
+            Refactoring::ByCost,
+            whole,
+        )?;
+        Ok(rest.forces.at_jaws(network.jaws())[1] * network.model().length_um)
     }
 
     /// Share of the elongation that a node has in an even stretch.
@@ -146,8 +146,11 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
         }
     }
 
-    fn start(&mut self) {
-        if !self.is_spanning() {
+    fn start(&mut self) -> Result<(), FrameError> {
+        if self.is_spanning() {
+            let stiffness = Self::stiffness_at_rest(self.network)?;
+            self.state.measures.initial_stiffness_mn = stiffness;
+        } else {
             self.state.ended = Some(PullEnd::NoPath);
         }
         for &node in &self.free {
@@ -156,6 +159,7 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
         self.now.kinetic_at_start_nj = self.kinetic(&self.velocity);
         self.look();
         self.keep();
+        Ok(())
     }
 
     fn put(&mut self, moving: Moving) -> Result<(), FrameError> {
@@ -373,7 +377,7 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
         self.judge();
     }
 
-    /// What the curve up to its peak says of stiffness, and of how near to rest it was.
+    /// How near to rest it was up to the peak.
     fn judge(&mut self) {
         let Some(moving) = &self.state.moving else {
             return;
@@ -388,14 +392,9 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
             share = share.max(one.kinetic_share);
             imbalance = imbalance.max((one.forces_mn[1] - one.forces_mn[0]).abs() / peak);
         }
-        let points: Vec<[f64; 2]> = until_peak
-            .map(|one| [one.at_um, one.forces_mn[1]])
-            .collect();
-        let length = self.network.model().length_um;
         let measures = &mut self.state.measures;
         measures.kinetic_share = Some(share);
         measures.largest_jaw_imbalance = imbalance;
-        measures.initial_stiffness_mn = slope(&points, peak) * length;
     }
 
     fn largest_turn(&self) -> f64 {
@@ -435,36 +434,6 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
         let is_through = self.state.elongation_um + 0.5 * self.speed * self.step_us >= until_um;
         is_through.then_some(PullEnd::MaxStrain)
     }
-}
-
-/// Slope of the curve [mN/µm] by least squares between shares of its peak; where there are no three points, over all
-/// from the start.
-fn slope(points: &[[f64; 2]], peak: f64) -> f64 {
-    let is_between = |force: f64| (SLOPE[0] * peak..=SLOPE[1] * peak).contains(&force);
-    let between: Vec<[f64; 2]> = points
-        .iter()
-        .filter(|[_, force]| is_between(*force))
-        .copied()
-        .collect();
-    if between.len() < 3 {
-        let sums = points.iter().fold([0.0; 2], |[above, below], [at, force]| {
-            [above + at * force, below + at * at]
-        });
-        return if sums[1] > 0.0 {
-            sums[0] / sums[1]
-        } else {
-            0.0
-        };
-    }
-    let count = between.len() as f64;
-    let mean = |part: usize| between.iter().map(|point| point[part]).sum::<f64>() / count;
-    let (at, force) = (mean(0), mean(1));
-    let above: f64 = between
-        .iter()
-        .map(|one| (one[0] - at) * (one[1] - force))
-        .sum();
-    let below: f64 = between.iter().map(|one| (one[0] - at).powi(2)).sum();
-    above / below
 }
 
 fn halves(motion: &[f64; 6]) -> [Vector3<f64>; 2] {

@@ -57,9 +57,6 @@ fn strength(
     // straight parts of fibres, and bonds inside them or between the rings of tubes, make stiffness too large; of no other result was
     // that measured
     let errors = |stiffness: f64| {
-        if spec.test.dynamics.is_some() {
-            return Vec::new();
-        }
         let parts = straight_parts::error(spec, stiffness).into_iter();
         parts
             .chain(bonds_inside::error(spec, &specimen.network, stiffness))
@@ -78,7 +75,6 @@ fn strength(
     let stiffness = N * measures.initial_stiffness_mn / width;
     let absorbed = J * measures.work_to_peak_nj / (M * width * M * length);
     let has_mass = grammage > 0.0;
-    // measured of sheets at rest
     let of = |of: Of, value: f64| together::error(spec, of, value).into_iter().collect();
     let about = "Largest force on the moving jaw.";
     let error = of(Of::Force, max_force);
@@ -108,11 +104,7 @@ fn strength(
         let (name, index) = ("energy_absorption_index", absorbed / grammage);
         report.result_with_error(name, index, "J/g", about, of(Of::Energy, index));
     }
-    let about = if spec.test.dynamics.is_some() {
-        "Slope of force per width over strain, from 5 % to 25 % of the largest force."
-    } else {
-        "Force per width over strain before anything breaks."
-    };
+    let about = "Force per width over strain before anything breaks.";
     let error = errors(stiffness);
     report.result_with_error("tensile_stiffness", stiffness, "kN/m", about, error);
     if has_mass {
