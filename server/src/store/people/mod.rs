@@ -36,7 +36,7 @@ pub use identities::{Admission, Arrival, Identity};
 pub use outbox::{Due, DueEvent};
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
-pub(super) use webhook_key::{Key, WEBHOOK_KEY};
+pub(super) use webhook_key::WEBHOOK_KEY;
 pub use webhooks::Channel;
 
 /// Longest name of a person, group, project or token [characters].
