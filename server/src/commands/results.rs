@@ -15,6 +15,9 @@ pub(crate) fn show(outcome: &Outcome) {
             .map(|(name, quantity)| result_row(name, quantity))
             .collect::<Vec<_>>(),
     );
+    if let Some(words) = sign_of(outcome.summary.values()) {
+        print_line(&format!("  {words}"));
+    }
     print_line("\nQuality");
     let rows = outcome.quality.iter();
     table(
@@ -47,6 +50,31 @@ pub(crate) fn show(outcome: &Outcome) {
     ));
 }
 
+/// What ± says of these results; nothing where none has it.
+fn sign_of<'q>(mut results: impl Iterator<Item = &'q Quantity> + Clone) -> Option<&'static str> {
+    let mut all = results.clone();
+    let has_error = all.any(|quantity| known_error(quantity).is_some());
+    match results.any(|quantity| deviation(quantity).is_some()) {
+        true if has_error => Some(
+            "± is the standard deviation of repeats, and in brackets the standard error of their mean, all its \
+             parts together; beside other values it is one standard error.",
+        ),
+        true => Some("± is the standard deviation of repeats."),
+        false => has_error.then_some("± is one standard error, all parts together."),
+    }
+}
+
+/// Of repeats, where they scatter.
+fn deviation(quantity: &Quantity) -> Option<f64> {
+    quantity.deviation.filter(|deviation| *deviation > 0.0)
+}
+
+/// Of a value, all parts together.
+fn known_error(quantity: &Quantity) -> Option<f64> {
+    let error = quantity.error.as_ref().map(|error| error.value);
+    error.filter(|error| *error > 0.0)
+}
+
 /// What buys a digit of results, each change once.
 fn tenths(outcome: &Outcome) -> Vec<String> {
     let errors = outcome.summary.values().filter_map(|q| q.error.as_ref());
@@ -71,17 +99,17 @@ fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
     [
         words(name),
         quantity.value.map_or("unknown".to_owned(), |value| {
-            let deviation = quantity.deviation.filter(|s| *s > 0.0);
-            let error = quantity.error.as_ref().map(|error| error.value);
-            let scatter = match (deviation, quantity.interval) {
-                (Some(s), _) => format!(" ± {}", number(s)),
+            let error = known_error(quantity);
+            let scatter = match (deviation(quantity), quantity.interval) {
+                (Some(s), _) => {
+                    let of_mean = error.map(|error| format!(" (± {})", rough(error)));
+                    format!(" ± {}{}", number(s), of_mean.unwrap_or_default())
+                }
                 // of a fitted value, which is no mean
                 (None, Some([low, high])) if low < high => {
                     format!(" ({} … {})", number(low), number(high))
                 }
-                (None, _) => error
-                    .filter(|error| *error > 0.0)
-                    .map_or_else(String::new, |error| format!(" ± {}", rough(error))),
+                (None, _) => error.map_or_else(String::new, |error| format!(" ± {}", rough(error))),
             };
             number(value) + &scatter
         }),
@@ -176,6 +204,7 @@ fn shortened(line: &str, columns: Option<usize>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use loadframe_api::{ErrorBasis, ErrorPart};
 
     #[test]
     fn numbers_are_short_but_not_hidden() {
@@ -216,6 +245,27 @@ mod tests {
     }
 
     #[test]
+    fn what_the_sign_means_is_said_where_there_is_one() {
+        let plain = Quantity::new(1.0, "N", "");
+        let part = ErrorPart::new("grid", 0.1, ErrorBasis::TwoGrids);
+        let wrong = plain.clone().with_error(vec![part]);
+        let mean = Quantity {
+            deviation: Some(0.5),
+            ..plain.clone()
+        };
+        let said = |quantities: &[&Quantity]| sign_of(quantities.iter().copied());
+        assert_eq!(said(&[&plain]), None);
+        let error = "± is one standard error, all parts together.";
+        assert_eq!(said(&[&plain, &wrong]), Some(error));
+        assert_eq!(
+            said(&[&mean]),
+            Some("± is the standard deviation of repeats.")
+        );
+        let both = said(&[&mean, &wrong]).expect("there are two");
+        assert!(both.contains("standard deviation") && both.contains("in brackets"));
+    }
+
+    #[test]
     fn an_unknown_value_and_a_bad_check_are_said_in_words() {
         let unknown = Quantity::new(f64::NAN, "N", "largest force");
         assert_eq!(
@@ -232,6 +282,11 @@ mod tests {
             ..Quantity::new(403.27, "N", "")
         };
         assert_eq!(result_row("max_force", &repeated)[1], "403.3 ± 7.250");
+        let part = ErrorPart::new("grid", 2.345, ErrorBasis::TwoGrids);
+        let known = Quantity::new(403.27, "N", "").with_error(vec![part.clone()]);
+        assert_eq!(result_row("max_force", &known)[1], "403.3 ± 2.3");
+        let both = repeated.with_error(vec![part]);
+        assert_eq!(result_row("max_force", &both)[1], "403.3 ± 7.250 (± 2.3)");
         let bad = QualityCheck::at_most(3.0, 1.0, "1", "");
         assert_eq!(
             quality_row("residual_ratio", &bad)[3],

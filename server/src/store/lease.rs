@@ -3,6 +3,7 @@ use loadframe_api::worker::{Command, ProgressReport};
 use uuid::Uuid;
 
 use super::database::{Connection, query, query_as, row};
+use super::encoding::json;
 use super::error::{Result, StoreError};
 use super::state::LifecycleRow;
 use super::writer::{Change, EventType};
@@ -170,4 +171,83 @@ fn check(report: &ProgressReport) -> Result<()> {
         return invalid("log has at most 1000 lines a report");
     }
     Ok(())
+}
+
+impl Store {
+    /// Extends the lease and tells what the user wants of the attempt. The first heartbeat of an attempt is
+    /// written down at once: whatever the job does to its worker from then on counts.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when the lease is not held.
+    pub async fn heartbeat(&self, key: LeaseKey) -> Result<Command> {
+        let live: Option<(i64, bool, Option<String>)> = query_as(
+            "SELECT a.seq, a.heard, j.asked FROM attempts a JOIN jobs j ON j.seq = a.job
+             WHERE a.id = ? AND a.token = ? AND a.ended_at IS NULL",
+        )
+        .bind(key.id)
+        .bind(key.token)
+        .fetch_optional(self.lookups())
+        .await?;
+        let (attempt, heard, asked) = live.ok_or(StoreError::LeaseLost)?;
+        if heard {
+            let asked = LifecycleRow::asked_for(asked.as_deref())?;
+            self.pulses().note(attempt, self.now().as_millis());
+            return Ok(UserRequest::command(asked));
+        }
+        let lease = self.lease_millis();
+        self.write_from_reserve(move |change| {
+            Box::pin(async move {
+                let attempt = change.extend(key, lease).await?;
+                let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;
+                Ok(UserRequest::command(job.asked()?))
+            })
+        })
+        .await
+    }
+
+    /// Writes down the heartbeats that have come since the last time.
+    ///
+    /// # Errors
+    /// The database's; the heartbeats are then kept for the next time.
+    pub(super) async fn write_pulses(&self) -> Result<()> {
+        let pulses = self.pulses().all();
+        if pulses.is_empty() {
+            return Ok(());
+        }
+        let (rows, lease) = (json(&pulses)?, self.lease_millis());
+        self.write_from_reserve(move |change| {
+            Box::pin(async move { change.extend_all(&rows, lease).await })
+        })
+        .await?;
+        self.pulses().forget(&pulses);
+        Ok(())
+    }
+}
+
+impl Change {
+    /// Extends the live leases of attempts, and notes that their workers are there: `pulses` is a list of
+    /// rows of attempts with the moment of each.
+    async fn extend_all(&mut self, pulses: &str, lease: i64) -> Result<()> {
+        query(
+            "UPDATE attempts SET lease_until = p.at + ?2
+             FROM (SELECT CAST(json_extract(value, '$[0]') AS BIGINT) AS attempt,
+                          CAST(json_extract(value, '$[1]') AS BIGINT) AS at FROM json_each(?1)) p
+             WHERE seq = p.attempt AND ended_at IS NULL AND lease_until < p.at + ?2",
+        )
+        .bind(pulses)
+        .bind(lease)
+        .execute(&mut self.connection)
+        .await?;
+        query(
+            "UPDATE workers SET last_seen_at = heard.at
+             FROM (SELECT a.worker, MAX(CAST(json_extract(p.value, '$[1]') AS BIGINT)) AS at
+                   FROM json_each(?1) p JOIN attempts a ON a.seq = CAST(json_extract(p.value, '$[0]') AS BIGINT)
+                   GROUP BY a.worker) heard
+             WHERE id = heard.worker AND last_seen_at < heard.at",
+        )
+        .bind(pulses)
+        .execute(&mut self.connection)
+        .await?;
+        Ok(())
+    }
 }

@@ -96,7 +96,7 @@ pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
 pub use moving::{MoveReport, move_store};
-use people::{AccessState, Actor, Key};
+use people::{AccessState, Actor};
 use pulses::Pulses;
 use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
@@ -127,8 +127,8 @@ struct Inner {
     queued: watch::Receiver<u64>,
     calls: Arc<Calls>,
     access: Arc<AccessState>,
-    /// Once it is known.
-    webhook_key: OnceCell<Key>,
+    /// The key that secrets of webhooks follow from, once it is known.
+    webhook_key: OnceCell<[u8; 32]>,
     sharing: Sharing,
     /// Held as long as the store is open, by a server's store.
     _lock: Option<File>,

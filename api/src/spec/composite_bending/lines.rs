@@ -1,6 +1,6 @@
 //! Lines of particles of a spec's grid, as far as the spec alone tells them.
 use super::rollers::beneath_rollers;
-use super::{Axis, CompositeBending, Grid, Grips, Lattice, Solver, Support, SupportWord, Way};
+use super::{CompositeBending, Grid, Grips, Lattice, Solver, Support, Way};
 use crate::section::fibre::{Band, Fibre};
 use crate::section::lines::{Fine, Towards, even_lines, fitted_lines, graded_lines, pass_through};
 use crate::section::solving::stretch;
@@ -35,7 +35,7 @@ impl CompositeBending {
                 &supports.bottom,
                 &supports.top,
             ]
-            .map(is_held),
+            .map(Support::holds_both_axes),
             Some(Way::Tension(tension)) if tension.grips == Grips::Clamped => {
                 [true, true, false, false]
             }
@@ -193,14 +193,5 @@ impl Laid {
             smallest_mm: 2.0 * self.smallest_mm,
             ..self
         }
-    }
-}
-
-/// Whether a face is held along both axes.
-pub(super) fn is_held(support: &Support) -> bool {
-    match support {
-        Support::Word(word) => *word == SupportWord::Clamped,
-        Support::PerAxis(axes) => axes.iter().all(|axis| *axis == Axis::Clamped),
-        Support::Driven(driven) => driven.displacement_mm.iter().all(Option::is_some),
     }
 }

@@ -4,8 +4,7 @@
 //! Timoshenko's bending and shear put together as Dunkerley does, 1/ω² = 1/ω_b² + 1/ω_s². Held otherwise
 //! its slowest wave is one of shear, a quarter of its length between what is held and what is not. The engine finds
 //! the frequency itself; this is for the estimate.
-use super::lines::is_held;
-use super::{CompositeBending, Way};
+use super::{CompositeBending, Support, Way};
 use crate::section::stiffness::{Stiffness, compliance, laminate, turned};
 
 /// (k L)² of a beam's first bending vibration, and k L of its first one in shear: clamped at both ends, and at
@@ -26,7 +25,9 @@ pub(super) fn lowest_per_s(spec: &CompositeBending, any_density: f64) -> Option<
         [(0, 0), (2, 2)].map(|entry| MPA_OVER_KG_PER_M3 / compliance[entry] / density);
     let [length, height] = [spec.section.length_mm, spec.section.height_mm];
     let [left, right] = match spec.test.way() {
-        Some(Way::Held(supports)) => [&supports.left, &supports.right].map(is_held),
+        Some(Way::Held(supports)) => {
+            [&supports.left, &supports.right].map(Support::holds_both_axes)
+        }
         _ => [false; 2],
     };
     let [bending, shearing] = match (left, right) {

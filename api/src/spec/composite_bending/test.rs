@@ -124,6 +124,17 @@ pub enum Support {
     Driven(Driven),
 }
 
+impl Support {
+    /// Whether the face is held along both axes.
+    pub(super) fn holds_both_axes(&self) -> bool {
+        match self {
+            Self::Word(word) => *word == SupportWord::Clamped,
+            Self::PerAxis(axes) => axes.iter().all(|axis| *axis == Axis::Clamped),
+            Self::Driven(driven) => driven.displacement_mm.iter().all(Option::is_some),
+        }
+    }
+}
+
 /// What holds a face along both axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

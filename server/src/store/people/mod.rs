@@ -39,7 +39,7 @@ pub(super) use projects::takes_no_jobs;
 pub use remembered::AccessState;
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
-pub(super) use webhook_key::{Key, WEBHOOK_KEY};
+pub(super) use webhook_key::WEBHOOK_KEY;
 pub use webhooks::Channel;
 
 /// Longest name of a person, group, project or token [characters].

@@ -16,7 +16,7 @@ use super::super::storage::Storage;
 /// Its file in the data folder, and its name in the bucket.
 pub(in super::super) const WEBHOOK_KEY: &str = "webhook-key";
 
-pub(in super::super) type Key = [u8; 32];
+pub(super) type Key = [u8; 32];
 
 impl Store {
     /// The key; the first who needs it makes it.

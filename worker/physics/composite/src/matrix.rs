@@ -202,6 +202,11 @@ impl GridMatrix {
     }
 }
 
+/// Σ a · b, one after the other.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 fn times(block: &Block, x: [f64; 2]) -> [f64; 2] {
     [
         block[0] * x[0] + block[1] * x[1],

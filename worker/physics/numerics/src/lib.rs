@@ -3,9 +3,10 @@
 //! [`Team`] shares passes over arrays among threads and sums in a fixed order; [`wide`] runs a kernel
 //! in the widest vector instructions that the machine has. [`next_look`] finds where the first of many
 //! quantities passes a limit; [`Softening`] solves equations whose matrix lost parts since it was factored,
-//! as [`SparseCholesky`] factors it.
+//! as [`SparseCholesky`] factors it. [`equilibrium`] goes to where forces balance.
 mod cholesky;
 mod crossing;
+pub mod equilibrium;
 mod parallel;
 mod softening;
 mod wide;

@@ -4,14 +4,15 @@
 //! [`Softening`](loadframe_numerics::Softening), and it is factored anew before that costs more. The
 //! new displacements are found from the old ones by their unbalanced forces, so that round-off is
 //! taken away with every crack and never adds up.
-use loadframe_numerics::Softening;
+use loadframe_numerics::{NoFactor, Softening};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::CompositeError;
 use crate::lattice::{CellStiffness, Geometry, Lattice, Measures, Rates, Tangent, gather};
 use crate::matrix::GridMatrix;
-use crate::solve::direct::{Direct, NoFactor};
+use crate::solve::direct::Direct;
+use crate::solve::told;
 use crate::supports::Supports;
 
 /// Columns that a factor carries before it is made anew. On 100 by 30 cells twice as many are as fast, see the table in [`breaking`](crate::breaking).
@@ -125,7 +126,7 @@ impl System {
         supports.refuse_rigid_motion(lattice.grid())?;
         let matrix = lattice.matrix();
         let direct =
-            Direct::new(&matrix, supports).map_err(|failure| failure.told(lattice.grid()))?;
+            Direct::new(&matrix, supports).map_err(|failure| told(failure, lattice.grid()))?;
         let size = lattice.displacements();
         let mut load = load_n.to_vec();
         release_held(&mut load, supports);
@@ -307,7 +308,7 @@ impl System {
         self.factors += 1;
         self.lattice
             .tangent(Geometry::Linear, Tangent::Exact, &self.u, &mut self.matrix);
-        let told = |failure: NoFactor, lattice: &Lattice| failure.told(lattice.grid());
+        let told = |failure: NoFactor, lattice: &Lattice| told(failure, lattice.grid());
         self.direct
             .factor(&self.matrix)
             .map_err(|failure| told(failure, &self.lattice))?;

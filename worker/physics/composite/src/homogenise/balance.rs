@@ -2,6 +2,9 @@
 //!
 //! The number of iterations grows with the root of the contrast of the phases and not with the number
 //! of pixels.
+use loadframe_numerics::Team;
+use loadframe_numerics::equilibrium::{Ended, Enough, Gradients, Preconditioned};
+
 use super::cells::Cells;
 use super::spectrum::Spectrum;
 use super::torus::{Field, Torus, dot};
@@ -15,7 +18,7 @@ const TOLERANCE: f64 = 1e-8;
 const NO_LOAD: f64 = 1e-14;
 
 /// Enough for a contrast of about 10⁵.
-const MOST_ITERATIONS: u64 = 4_000;
+const MOST_ITERATIONS: usize = 4_000;
 
 /// Displacements in equilibrium.
 #[derive(Debug, Clone)]
@@ -40,50 +43,65 @@ pub(super) fn balance(
     energy: f64,
 ) -> Result<Balanced, CompositeError> {
     let mut field = vec![[0.0; 2]; torus.nodes()];
-    let mut rest = forces.clone();
-    let mut lifted = field.clone();
-    let mut answer = field.clone();
-    spectrum.solve(&rest, &mut lifted);
-    let mut product = dot(&rest, &lifted);
-    let load = product.max(NO_LOAD * NO_LOAD * energy);
-    let limit = TOLERANCE * TOLERANCE * load;
-    let mut way = lifted.clone();
-    let mut iterations = 0;
-    while product > limit.max(NO_LOAD * NO_LOAD * energy) {
-        if iterations == MOST_ITERATIONS {
-            return Err(CompositeError::CellNotConverged {
+    let mut vectors = Gradients::new(torus.nodes());
+    vectors.residual.copy_from_slice(forces);
+    let mut periodic = Periodic {
+        torus,
+        cells,
+        kinds,
+        spectrum,
+    };
+    let no_load = NO_LOAD * NO_LOAD * energy;
+    let enough = Enough::Product {
+        share: TOLERANCE * TOLERANCE,
+        least: no_load,
+    };
+    let found = vectors.solve(
+        &mut periodic,
+        &Team::alone(),
+        &mut field,
+        enough,
+        MOST_ITERATIONS,
+    );
+    let iterations = found.iterations as u64;
+    let [first, last] = found.products;
+    let load = first.max(no_load);
+    let residual = (last.max(0.0) / load).sqrt();
+    match found.ended {
+        Ended::Near => Ok(Balanced {
+            field,
+            iterations,
+            residual,
+        }),
+        Ended::Spent(_) | Ended::CurvesDown(_) if last.is_finite() => {
+            Err(CompositeError::CellNotConverged {
                 iterations,
-                residual: (product / load).sqrt(),
-            });
+                residual,
+            })
         }
-        torus.forces(cells, kinds, &way, &mut answer);
-        let step = product / dot(&way, &answer);
-        for node in 0..field.len() {
-            for unknown in 0..2 {
-                field[node][unknown] += step * way[node][unknown];
-                rest[node][unknown] -= step * answer[node][unknown];
-            }
-        }
-        spectrum.solve(&rest, &mut lifted);
-        let next = dot(&rest, &lifted);
-        let turn = next / product;
-        for (way, lifted) in way.iter_mut().zip(&lifted) {
-            for unknown in 0..2 {
-                way[unknown] = lifted[unknown] + turn * way[unknown];
-            }
-        }
-        product = next;
-        iterations += 1;
-        if !product.is_finite() {
-            return Err(CompositeError::NotFinite {
-                quantity: "the residual of a unit cell",
-                step: iterations,
-            });
-        }
+        Ended::Spent(_) | Ended::CurvesDown(_) => Err(CompositeError::NotFinite {
+            quantity: "the residual of a unit cell",
+            step: iterations,
+        }),
     }
-    Ok(Balanced {
-        field,
-        iterations,
-        residual: (product.max(0.0) / load).sqrt(),
-    })
+}
+
+/// The periodic grid's equations, preconditioned with the uniform body.
+struct Periodic<'a, C> {
+    torus: &'a Torus,
+    cells: &'a C,
+    kinds: &'a [u32],
+    spectrum: &'a mut Spectrum,
+}
+
+impl<C: Cells> Preconditioned<2> for Periodic<'_, C> {
+    fn apply(&mut self, motion: &[[f64; 2]], forces: &mut [[f64; 2]]) -> f64 {
+        self.torus.forces(self.cells, self.kinds, motion, forces);
+        dot(motion, forces)
+    }
+
+    fn precondition(&mut self, residual: &[[f64; 2]], corrected: &mut [[f64; 2]]) -> f64 {
+        self.spectrum.solve(residual, corrected);
+        dot(residual, corrected)
+    }
 }

@@ -16,7 +16,7 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 
 use super::cells::Cells;
-use super::torus::{Field, Torus};
+use super::torus::Torus;
 
 type Number = Complex<f64>;
 
@@ -66,7 +66,7 @@ impl Spectrum {
     }
 
     /// Displacements without a mean under forces, whose mean is left out.
-    pub(super) fn solve(&mut self, forces: &Field, displacements: &mut Field) {
+    pub(super) fn solve(&mut self, forces: &[[f64; 2]], displacements: &mut [[f64; 2]]) {
         for (wave, force) in self.waves.iter_mut().zip(forces) {
             *wave = Number::new(force[0], force[1]);
         }

@@ -69,7 +69,7 @@ impl Torus {
         }
     }
 
-    fn scatter(&self, forces: &mut Field, corners: [usize; 4], answer: Rates) {
+    fn scatter(&self, forces: &mut [[f64; 2]], corners: [usize; 4], answer: Rates) {
         let [a, b] = self.sides_mm;
         let (along_2, along_3) = (0.5 / a, 0.5 / b);
         for (corner, node) in corners.into_iter().enumerate() {
@@ -83,7 +83,13 @@ impl Torus {
     }
 
     /// Forces of displacements, per volume of a pixel.
-    pub(super) fn forces(&self, cells: &impl Cells, kinds: &[u32], field: &Field, out: &mut Field) {
+    pub(super) fn forces(
+        &self,
+        cells: &impl Cells,
+        kinds: &[u32],
+        field: &[[f64; 2]],
+        out: &mut [[f64; 2]],
+    ) {
         out.fill([0.0; 2]);
         for j in 0..self.grid[1] {
             for i in 0..self.grid[0] {
@@ -97,7 +103,7 @@ impl Torus {
 }
 
 /// Σ u · v over all nodes.
-pub(super) fn dot(u: &Field, v: &Field) -> f64 {
+pub(super) fn dot(u: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
     let mut sums = [0.0; 2];
     for (u, v) in u.iter().zip(v) {
         sums[0] += u[0] * v[0];

@@ -2,7 +2,8 @@
 //! lets it do so soonest.
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
-use crate::solve::{Equations, Method, dot};
+use crate::matrix::dot;
+use crate::solve::{Equations, Method, told};
 use crate::supports::Supports;
 
 /// Part of ω to which it is found, and inverse iterations after which what is found is taken: Rayleigh's
@@ -21,7 +22,7 @@ pub fn lowest_frequency_per_s(
     supports: &Supports,
     load_n: &[f64],
 ) -> Result<Option<f64>, CompositeError> {
-    let told = |failure: crate::solve::NoFactor| failure.told(lattice.grid());
+    let told = |failure| told(failure, lattice.grid());
     let held = supports.displacements();
     let mut matrix = lattice.matrix();
     lattice.tangent(Geometry::Linear, Tangent::Exact, &held, &mut matrix);

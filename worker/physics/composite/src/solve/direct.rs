@@ -1,5 +1,5 @@
 //! The factor of a grid's matrix, for the displacements that are free.
-use loadframe_numerics::SparseCholesky;
+use loadframe_numerics::{NoFactor, SparseCholesky};
 
 use crate::matrix::{GridMatrix, STEPS};
 use crate::solve::order::nested_dissection;
@@ -10,26 +10,6 @@ const HELD: u32 = u32::MAX;
 
 /// A pivot so small against its diagonal that only round-off keeps it from 0.
 const SINGULAR: f64 = 1e-13;
-
-/// Why a matrix has no factor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum NoFactor {
-    /// It is not positive definite; seen at this displacement.
-    Indefinite { displacement: usize },
-    /// It does not fit into memory.
-    TooLarge,
-}
-
-impl From<loadframe_numerics::NoFactor> for NoFactor {
-    fn from(error: loadframe_numerics::NoFactor) -> Self {
-        match error {
-            loadframe_numerics::NoFactor::Indefinite { unknown } => Self::Indefinite {
-                displacement: unknown,
-            },
-            loadframe_numerics::NoFactor::TooLarge => Self::TooLarge,
-        }
-    }
-}
 
 /// A displacement in the middle of a grid touches 18, half of which come before it.
 const ENTRIES: usize = 10;
@@ -139,7 +119,7 @@ impl Direct {
             ratio < SINGULAR || ratio.is_nan()
         });
         match tiny {
-            Some(displacement) => Err(NoFactor::Indefinite { displacement }),
+            Some(unknown) => Err(NoFactor::Indefinite { unknown }),
             None => Ok(()),
         }
     }

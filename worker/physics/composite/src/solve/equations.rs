@@ -1,10 +1,11 @@
 //! Linear equations over the free displacements: factors while they fit, else conjugate gradients.
 use loadframe_api::section::solving;
+use loadframe_numerics::NoFactor;
 
 use crate::error::CompositeError;
 use crate::matrix::GridMatrix;
 use crate::section::Grid;
-use crate::solve::direct::{Direct, NoFactor};
+use crate::solve::direct::Direct;
 use crate::solve::multigrid::{COARSEST, Multigrid};
 use crate::supports::Supports;
 
@@ -80,17 +81,15 @@ impl Equations {
     }
 }
 
-impl NoFactor {
-    /// What to tell of a lattice that should have had a factor.
-    pub(crate) fn told(self, grid: &Grid) -> CompositeError {
-        match self {
-            Self::Indefinite { displacement } => {
-                let [x_mm, y_mm] = grid.place_mm(displacement / 2);
-                CompositeError::Mechanism { x_mm, y_mm }
-            }
-            Self::TooLarge => CompositeError::TooLarge {
-                particles: grid.particles(),
-            },
+/// What to tell of a lattice on this grid that should have had a factor.
+pub(crate) fn told(failure: NoFactor, grid: &Grid) -> CompositeError {
+    match failure {
+        NoFactor::Indefinite { unknown } => {
+            let [x_mm, y_mm] = grid.place_mm(unknown / 2);
+            CompositeError::Mechanism { x_mm, y_mm }
         }
+        NoFactor::TooLarge => CompositeError::TooLarge {
+            particles: grid.particles(),
+        },
     }
 }

@@ -10,11 +10,12 @@
 //! what is found is a stable equilibrium.
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
-use crate::matrix::GridMatrix;
+use crate::matrix::{GridMatrix, dot};
 use crate::solve::circles::Circles;
-use crate::solve::direct::NoFactor;
-use crate::solve::equations::{Equations, Method};
+use crate::solve::equations::{Equations, Method, told};
 use crate::supports::Supports;
+use loadframe_numerics::NoFactor;
+use loadframe_numerics::equilibrium::{Newton, Settled, Unbalanced, halved, settle};
 use serde::{Deserialize, Serialize};
 
 /// How an equilibrium is looked for.
@@ -61,7 +62,11 @@ pub struct Equilibrium {
 /// Solutions of the linear equations after which refining them further is of no use.
 const REFINEMENTS: u64 = 4;
 /// Newton iterations in one load step.
-const NEWTON_ITERATIONS: u64 = 60;
+const NEWTON_ITERATIONS: u32 = 60;
+/// Halvings of one of their steps.
+const HALVINGS: u32 = 29;
+/// As near as round-off allows is near enough within so many tolerances.
+const STUCK_NEAR: f64 = 1e3;
 /// Round-off of a particle's force in products of its stiffness, the largest displacement and the spacing of
 /// numbers: a sum of 32 of them, each rounded.
 const ROUNDED: f64 = 8.0;
@@ -81,8 +86,9 @@ pub(super) struct Search<'a> {
     step: Vec<f64>,
     trial: Vec<f64>,
     energy: f64,
-    /// Largest force on a particle at u [N], and largest stiffness of one as it was factored last [N/mm].
-    largest: f64,
+    /// Of the forces at u [N], without what round-off leaves.
+    left: Unbalanced,
+    /// Largest stiffness of a particle as it was factored last [N/mm].
     stiffest: f64,
     solutions: u64,
     iterations: u64,
@@ -105,7 +111,7 @@ impl<'a> Search<'a> {
         let size = lattice.displacements();
         let matrix = lattice.matrix();
         let equations = Equations::new(options.method, &matrix, lattice.grid(), supports)
-            .map_err(|failure| failure.told(lattice.grid()))?;
+            .map_err(|failure| told(failure, lattice.grid()))?;
         Ok(Self {
             lattice,
             supports,
@@ -120,7 +126,11 @@ impl<'a> Search<'a> {
             step: vec![0.0; size],
             trial: vec![0.0; size],
             energy: 0.0,
-            largest: 0.0,
+            left: Unbalanced {
+                largest: 0.0,
+                scale: 0.0,
+                round_off: 0.0,
+            },
             stiffest: 0.0,
             solutions: 0,
             iterations: 0,
@@ -128,7 +138,7 @@ impl<'a> Search<'a> {
     }
 
     fn told(&self, failure: NoFactor) -> CompositeError {
-        failure.told(self.lattice.grid())
+        told(failure, self.lattice.grid())
     }
 
     /// Evaluates forces and energy at u, and the unbalanced forces at a share of the load; the
@@ -151,27 +161,22 @@ impl<'a> Search<'a> {
                 load - force
             };
         }
-        self.largest = largest;
         if !self.energy.is_finite() {
-            return f64::INFINITY;
+            (unbalanced, largest) = (f64::INFINITY, 1.0);
         }
-        if largest > 0.0 {
-            unbalanced / largest
-        } else {
-            unbalanced
-        }
+        self.left = Unbalanced {
+            largest: unbalanced,
+            scale: largest,
+            round_off: 0.0,
+        };
+        self.left.share()
     }
 
-    /// What round-off of the displacements leaves unbalanced, over the largest force: of a slender section
-    /// that has gone far it is more than any tolerance, and no iteration makes it less.
+    /// What round-off of the displacements leaves unbalanced [N]: of a slender section that has gone far it
+    /// is more than any tolerance, and no iteration makes it less.
     fn round_off(&self) -> f64 {
         let farthest = self.u.iter().fold(0.0_f64, |far, u| far.max(u.abs()));
-        let left = ROUNDED * f64::EPSILON * self.stiffest * farthest;
-        if self.largest > 0.0 {
-            left / self.largest
-        } else {
-            0.0
-        }
+        ROUNDED * f64::EPSILON * self.stiffest * farthest
     }
 
     fn solve(&mut self) -> Result<(), CompositeError> {
@@ -258,61 +263,26 @@ impl<'a> Search<'a> {
         if let Some(stuck) = self.predict(from, to)? {
             return Ok(Err(stuck));
         }
-        let mut residual = self.unbalance(to);
-        for _ in 0..NEWTON_ITERATIONS {
-            if residual <= self.options.tolerance.max(self.round_off()) {
-                return Ok(Ok(()));
-            }
-            if stop() {
-                return Err(CompositeError::Stopped);
-            }
-            self.direction()?;
-            let slope: f64 = -dot(&self.right, &self.step);
-            let potential = self.energy - to * dot(self.load, &self.u);
-            // Below this, differences of the potential are round-off and residuals decide.
-            let noise = 1e-13 * (self.energy.abs() + (to * dot(self.load, &self.u)).abs());
-            self.trial.copy_from_slice(&self.u);
-            let mut length = 1.0;
-            let mut inverted = None;
-            let mut found = false;
-            for _ in 0..30 {
-                for place in 0..self.u.len() {
-                    self.u[place] = self.trial[place] + length * self.step[place];
-                }
-                inverted = self.lattice.inverted_cell(&self.u);
-                if inverted.is_none() {
-                    let refined = self.unbalance(to);
-                    let now = self.energy - to * dot(self.load, &self.u);
-                    let downhill = now <= potential + 1e-4 * length * slope;
-                    let in_noise = (length * slope).abs() <= noise && refined < residual;
-                    if downhill || in_noise {
-                        residual = refined;
-                        found = true;
-                        break;
-                    }
-                }
-                length *= 0.5;
-            }
-            if !found {
-                self.u.copy_from_slice(&self.trial);
-                let residual = self.unbalance(to);
-                // As near as round-off allows is near enough.
-                if residual <= 1e3 * self.options.tolerance && inverted.is_none() {
-                    return Ok(Ok(()));
-                }
-                return Ok(Err(inverted.map_or(
-                    Stuck::Slow {
-                        iterations: self.solutions,
-                        residual,
-                    },
-                    Stuck::Inverted,
-                )));
-            }
-        }
-        Ok(Err(Stuck::Slow {
+        self.unbalance(to);
+        let mut step = LoadStep {
+            search: self,
+            share: to,
+            stop,
+            inverted: None,
+        };
+        let settled = settle(&mut step, NEWTON_ITERATIONS)?;
+        let inverted = step.inverted;
+        let residual = self.left.share();
+        let slow = Stuck::Slow {
             iterations: self.solutions,
             residual,
-        }))
+        };
+        Ok(match (settled, inverted) {
+            (Settled::AtRest(_), _) => Ok(()),
+            (Settled::Stuck(_), Some(cell)) => Err(Stuck::Inverted(cell)),
+            (Settled::Stuck(_), None) if residual <= STUCK_NEAR * self.options.tolerance => Ok(()),
+            (Settled::Stuck(_) | Settled::Slow, _) => Err(slow),
+        })
     }
 
     /// Moves what is held to its new place, and everything else along the tangent with it.
@@ -369,6 +339,68 @@ impl<'a> Search<'a> {
     }
 }
 
+/// The way to the rest at a share of the load.
+struct LoadStep<'s, 'a> {
+    search: &'s mut Search<'a>,
+    share: f64,
+    stop: &'s dyn Fn() -> bool,
+    /// The cell that the last step would have turned inside out however short.
+    inverted: Option<usize>,
+}
+
+impl Newton for LoadStep<'_, '_> {
+    type Failure = CompositeError;
+
+    fn is_at_rest(&mut self, _: u32) -> Result<bool, CompositeError> {
+        let left = Unbalanced {
+            round_off: self.search.round_off(),
+            ..self.search.left
+        };
+        Ok(left.is_within(self.search.options.tolerance))
+    }
+
+    fn advance(&mut self) -> Result<bool, CompositeError> {
+        if (self.stop)() {
+            return Err(CompositeError::Stopped);
+        }
+        let Self {
+            search,
+            share,
+            inverted,
+            ..
+        } = self;
+        let share = *share;
+        search.direction()?;
+        let slope: f64 = -dot(&search.right, &search.step);
+        let work = share * dot(search.load, &search.u);
+        let potential = search.energy - work;
+        // Below this, differences of the potential are round-off and residuals decide.
+        let noise = 1e-13 * (search.energy.abs() + work.abs());
+        let residual = search.left.share();
+        search.trial.copy_from_slice(&search.u);
+        let goes = |length: f64, _| {
+            for place in 0..search.u.len() {
+                search.u[place] = search.trial[place] + length * search.step[place];
+            }
+            *inverted = search.lattice.inverted_cell(&search.u);
+            if inverted.is_some() {
+                return Ok(false);
+            }
+            let refined = search.unbalance(share);
+            let now = search.energy - share * dot(search.load, &search.u);
+            let is_downhill = now <= potential + 1e-4 * length * slope;
+            let is_in_noise = (length * slope).abs() <= noise && refined < residual;
+            Ok(is_downhill || is_in_noise)
+        };
+        let is_found = halved(1.0, HALVINGS, goes)?;
+        if !is_found {
+            search.u.copy_from_slice(&search.trial);
+            search.unbalance(share);
+        }
+        Ok(is_found)
+    }
+}
+
 /// What is known of a state of rest beside its forces.
 pub(crate) struct Balance {
     pub(crate) energy: f64,
@@ -411,8 +443,4 @@ pub(crate) fn rest(
         solutions: balance.solutions,
         iterations: balance.iterations,
     }
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

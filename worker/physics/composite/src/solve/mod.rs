@@ -13,9 +13,7 @@ pub use contact::{
     contact_equilibrium, pressed_equilibrium,
 };
 pub(crate) use contact::{Point, points};
-pub(crate) use direct::NoFactor;
-pub(crate) use equations::Equations;
 pub use equations::Method;
-pub(crate) use equilibrium::dot;
+pub(crate) use equations::{Equations, told};
 pub use equilibrium::{Equilibrium, StaticOptions};
 pub use load_path::{LoadPath, PathState, equilibrium};

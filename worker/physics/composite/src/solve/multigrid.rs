@@ -7,9 +7,14 @@
 //! one fixed order.
 //!
 //! Source: [BriggsHensonMcCormick2000], chapters 3 and 8.
-use crate::matrix::{Block, GridMatrix, STEPS};
+use loadframe_numerics::{
+    NoFactor, Team,
+    equilibrium::{Ended, Enough, Gradients, Preconditioned},
+};
+
+use crate::matrix::{Block, GridMatrix, STEPS, dot};
 use crate::section::Grid;
-use crate::solve::direct::{Direct, NoFactor};
+use crate::solve::direct::Direct;
 use crate::supports::Supports;
 
 /// Grids of at most so many particles are factored: as long as it takes less than a sweep of a
@@ -17,7 +22,7 @@ use crate::supports::Supports;
 pub(crate) const COARSEST: usize = 12_000;
 
 /// Iterations after which something is wrong.
-const MOST_ITERATIONS: u64 = 2_000;
+const MOST_ITERATIONS: usize = 2_000;
 
 /// One grid of the hierarchy.
 #[derive(Debug)]
@@ -41,18 +46,21 @@ struct Between {
     weight: f64,
 }
 
-/// The hierarchy of grids.
+/// The hierarchy of grids, and the vectors of iterations on the finest.
 #[derive(Debug)]
 pub(crate) struct Multigrid {
+    hierarchy: Hierarchy,
+    vectors: Gradients<2>,
+}
+
+#[derive(Debug)]
+struct Hierarchy {
     /// From the finest on; the finest's matrix is a copy of the lattice's.
     levels: Vec<Level>,
     coarsest: Direct,
     coarsest_matrix: GridMatrix,
     right: Vec<f64>,
     solution: Vec<f64>,
-    direction: Vec<f64>,
-    image: Vec<f64>,
-    residual: Vec<f64>,
 }
 
 /// Every second line, and the last.
@@ -104,21 +112,75 @@ impl Multigrid {
         let coarsest_matrix = GridMatrix::zeros(x_mm.len(), y_mm.len());
         let size = 2 * coarsest_matrix.particles();
         let coarsest = Direct::new(&coarsest_matrix, &Supports::held_at(&held))?;
-        let finest = 2 * grid.particles();
         Ok(Self {
-            levels,
-            coarsest,
-            coarsest_matrix,
-            right: vec![0.0; size],
-            solution: vec![0.0; size],
-            direction: vec![0.0; finest],
-            image: vec![0.0; finest],
-            residual: vec![0.0; finest],
+            hierarchy: Hierarchy {
+                levels,
+                coarsest,
+                coarsest_matrix,
+                right: vec![0.0; size],
+                solution: vec![0.0; size],
+            },
+            vectors: Gradients::new(grid.particles()),
         })
     }
 
     /// Makes the coarser matrices of a finest one.
     pub(crate) fn prepare(&mut self, matrix: &GridMatrix) -> Result<(), NoFactor> {
+        self.hierarchy.prepare(matrix)
+    }
+
+    /// Solves to a residual of `tolerance` times the right-hand side, or as near as round-off
+    /// allows; the number of iterations.
+    pub(crate) fn solve(
+        &mut self,
+        matrix: &GridMatrix,
+        right: &[f64],
+        solution: &mut [f64],
+        tolerance: f64,
+    ) -> Result<u64, NoFactor> {
+        let Self { hierarchy, vectors } = self;
+        solution.fill(0.0);
+        let residual = vectors.residual.as_flattened_mut();
+        residual.copy_from_slice(right);
+        hierarchy.release(residual);
+        let found = vectors.solve(
+            &mut Finest { hierarchy, matrix },
+            &Team::alone(),
+            solution.as_chunks_mut().0,
+            Enough::Residual(tolerance),
+            MOST_ITERATIONS,
+        );
+        match found.ended {
+            Ended::Near | Ended::Spent(_) => Ok(found.iterations as u64),
+            Ended::CurvesDown(_) => Err(NoFactor::Indefinite { unknown: 0 }),
+        }
+    }
+}
+
+/// The finest grid's equations, preconditioned by a cycle.
+struct Finest<'a> {
+    hierarchy: &'a mut Hierarchy,
+    matrix: &'a GridMatrix,
+}
+
+impl Preconditioned<2> for Finest<'_> {
+    fn apply(&mut self, motion: &[[f64; 2]], forces: &mut [[f64; 2]]) -> f64 {
+        let (motion, forces) = (motion.as_flattened(), forces.as_flattened_mut());
+        self.matrix.multiply(motion, forces);
+        self.hierarchy.release(forces);
+        dot(motion, forces)
+    }
+
+    fn precondition(&mut self, residual: &[[f64; 2]], corrected: &mut [[f64; 2]]) -> f64 {
+        let (residual, corrected) = (residual.as_flattened(), corrected.as_flattened_mut());
+        corrected.copy_from_slice(self.hierarchy.cycle(residual));
+        dot(residual, corrected)
+    }
+}
+
+impl Hierarchy {
+    /// Makes the coarser matrices of a finest one.
+    fn prepare(&mut self, matrix: &GridMatrix) -> Result<(), NoFactor> {
         if let Some(first) = self.levels.first_mut() {
             first.matrix.blocks.copy_from_slice(&matrix.blocks);
         } else {
@@ -134,51 +196,6 @@ impl Multigrid {
             finer.coarsen_into(target);
         }
         self.coarsest.factor(&self.coarsest_matrix)
-    }
-
-    /// Solves to a residual of `tolerance` times the right-hand side, or as near as round-off
-    /// allows; the number of iterations.
-    pub(crate) fn solve(
-        &mut self,
-        matrix: &GridMatrix,
-        right: &[f64],
-        solution: &mut [f64],
-        tolerance: f64,
-    ) -> Result<u64, NoFactor> {
-        solution.fill(0.0);
-        let mut residual = std::mem::take(&mut self.residual);
-        let mut direction = std::mem::take(&mut self.direction);
-        let mut image = std::mem::take(&mut self.image);
-        residual.copy_from_slice(right);
-        self.release(&mut residual);
-        let goal = tolerance * dot(&residual, &residual).sqrt();
-        direction.fill(0.0);
-        let mut before = 0.0;
-        let mut iterations = 0;
-        while dot(&residual, &residual).sqrt() > goal && iterations < MOST_ITERATIONS {
-            iterations += 1;
-            let corrected = self.cycle(&residual);
-            let now = dot(&residual, corrected);
-            let keep = if before > 0.0 { now / before } else { 0.0 };
-            for (d, z) in direction.iter_mut().zip(corrected) {
-                *d = z + keep * *d;
-            }
-            before = now;
-            matrix.multiply(&direction, &mut image);
-            self.release(&mut image);
-            let curvature = dot(&direction, &image);
-            if curvature <= 0.0 || curvature.is_nan() {
-                (self.residual, self.direction, self.image) = (residual, direction, image);
-                return Err(NoFactor::Indefinite { displacement: 0 });
-            }
-            let step = now / curvature;
-            for place in 0..solution.len() {
-                solution[place] += step * direction[place];
-                residual[place] -= step * image[place];
-            }
-        }
-        (self.residual, self.direction, self.image) = (residual, direction, image);
-        Ok(iterations)
     }
 
     fn release(&self, values: &mut [f64]) {
@@ -215,10 +232,6 @@ impl Multigrid {
         }
         &self.levels[0].solution
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A coarser particle is held where the particle in the same place is.
@@ -283,7 +296,7 @@ impl Level {
             let determinant = xx * yy - xy * xy;
             if xx <= 0.0 || determinant <= 0.0 {
                 return Err(NoFactor::Indefinite {
-                    displacement: 2 * particle,
+                    unknown: 2 * particle,
                 });
             }
             let inverse = [

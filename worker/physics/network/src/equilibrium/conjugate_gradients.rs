@@ -1,8 +1,16 @@
 //! Preconditioned conjugate gradients for the Newton step H d = F.
+//!
+//! The iterations are those of [`loadframe_numerics::equilibrium`]; what is here is what they work on: vectors
+//! in single precision over strips, one array an axis, with the preconditioner of nodes applied in the pass
+//! that goes along the direction.
 use std::ops::Range;
 
 use loadframe_harness::Interrupt;
-use loadframe_numerics::{Team, wide};
+use loadframe_numerics::{
+    Team,
+    equilibrium::{Ended, Iterated, iterate},
+    wide,
+};
 
 use super::{
     block_jacobi::BlockJacobi,
@@ -95,11 +103,8 @@ impl<'a> Waves<'a> {
         }
     }
 
-    /// After so many iterations of a step: whether the preconditioner changed.
-    fn look<T: Real>(&mut self, iterations: usize, stiffness: &Stiffness<T>) -> bool {
-        if iterations < self.patience {
-            return false;
-        }
+    /// Patience is at its end: whether the preconditioner changed.
+    fn renew<T: Real>(&mut self, stiffness: &Stiffness<T>) -> bool {
         self.grids = Multigrid::new(self.assembly, self.cells, stiffness);
         self.patience = usize::MAX;
         self.grids.is_some()
@@ -131,52 +136,98 @@ pub(super) fn newton_step<T: Real>(
     stop: Stop,
     meter: &mut Meter<'_>,
 ) -> Result<Solved, Interrupt> {
-    let Equations {
-        assembly,
-        stiffness,
-        force,
-        team,
-        ..
-    } = equations;
-    let Scratch {
-        residual,
-        search,
-        product,
-        spill,
-    } = scratch;
-    residual.copy_from(force);
+    scratch.residual.copy_from(equations.force);
     step.clear();
-    if waves.look(0, stiffness) {
-        norm = precondition(equations, waves, residual, search);
+    if waves.patience == 0 && waves.renew(equations.stiffness) {
+        norm = precondition(equations, waves, &scratch.residual, &mut scratch.search);
     }
     let mut enough = (stop.relative * norm).max(stop.absolute);
-    for iteration in 0..stop.iterations {
-        if norm <= enough {
-            break;
+    let mut left = stop.iterations;
+    while norm > enough || norm.is_nan() {
+        let most = left.min(waves.patience);
+        let mut under_way = UnderWay {
+            equations,
+            grids: &mut waves.grids,
+            step: &mut *step,
+            scratch: &mut *scratch,
+            enough,
+            meter: &mut *meter,
+        };
+        match iterate(&mut under_way, norm, most)?.1 {
+            Ended::CurvesDown(length) => return Ok(Solved::CurvesDown(length)),
+            Ended::Near => break,
+            Ended::Spent(_) if most == left => break,
+            Ended::Spent(last) => {
+                left -= most;
+                norm = last;
+                if waves.renew(equations.stiffness) {
+                    // another preconditioner is another norm, and another start
+                    let whole =
+                        precondition(equations, waves, equations.force, &mut scratch.product);
+                    enough = (stop.relative * whole).max(stop.absolute);
+                    norm = precondition(equations, waves, &scratch.residual, &mut scratch.search);
+                }
+            }
         }
-        if waves.look(iteration, stiffness) {
-            // another preconditioner is another norm, and another start
-            let whole = precondition(equations, waves, force, product);
-            enough = (stop.relative * whole).max(stop.absolute);
-            norm = precondition(equations, waves, residual, search);
-        }
-        meter.spend(assembly.bonds())?;
-        meter.work.conjugate_gradient_iterations += 1;
-        let curvature = stiffness.multiply(assembly, search, product, spill, team);
-        if curvature.is_nan() || curvature <= 0.0 {
-            return Ok(Solved::CurvesDown(norm / curvature.abs()));
-        }
-        let length = T::new(norm / curvature);
-        let mut next_norm = advance(equations, length, search, product, step, residual);
-        if let Some(grids) = &mut waves.grids {
-            next_norm += grids.correct(equations.nodes, residual, product, team);
-        }
-        let turn = T::new(next_norm / norm);
-        norm = next_norm;
-        // the product became the preconditioned residual
-        turn_to(equations, search, turn, product);
     }
     Ok(Solved::Step)
+}
+
+/// Iterations towards a step.
+struct UnderWay<'e, 'a, 'w, 'm, T> {
+    equations: &'e Equations<'a, T>,
+    grids: &'e mut Option<Multigrid<'w>>,
+    step: &'e mut Field<T>,
+    scratch: &'e mut Scratch<T>,
+    /// Squared preconditioned norm of the residual at which they end.
+    enough: f64,
+    meter: &'e mut Meter<'m>,
+}
+
+impl<T: Real> Iterated for UnderWay<'_, '_, '_, '_, T> {
+    type Interrupt = Interrupt;
+
+    fn apply(&mut self) -> Result<f64, Interrupt> {
+        let Equations {
+            assembly,
+            stiffness,
+            team,
+            ..
+        } = self.equations;
+        self.meter.spend(assembly.bonds())?;
+        self.meter.work.conjugate_gradient_iterations += 1;
+        let Scratch {
+            search,
+            product,
+            spill,
+            ..
+        } = &mut *self.scratch;
+        Ok(stiffness.multiply(assembly, search, product, spill, team))
+    }
+
+    fn advance(&mut self, length: f64) -> Option<f64> {
+        let Scratch {
+            residual,
+            search,
+            product,
+            ..
+        } = &mut *self.scratch;
+        let (nodes, team) = (self.equations.nodes, self.equations.team);
+        let length = T::new(length);
+        let mut norm = advance(self.equations, length, search, product, self.step, residual);
+        if let Some(grids) = &mut self.grids {
+            norm += grids.correct(nodes, residual, product, team);
+        }
+        (norm > self.enough || norm.is_nan()).then_some(norm)
+    }
+
+    fn turn(&mut self, keep: f64) {
+        // the product became the preconditioned residual
+        let Scratch {
+            search, product, ..
+        } = &mut *self.scratch;
+        turn_to(self.equations, search, T::new(keep), product);
+    }
 }
 
 /// Places worked on at once: their numbers stay in the core's nearest cache.

@@ -1,4 +1,8 @@
 //! How far to go along a descent direction.
+//!
+//! Other methods halve a step until it is good ([`loadframe_numerics::equilibrium::halved`]). Here a trial is
+//! a pass over all bonds that gives the slope at its end, too: a secant of slopes needs fewer of them, and
+//! steps that leave a saddle are lengthened.
 use loadframe_harness::Interrupt;
 
 /// Part of the decrease promised by the slope that a step must keep (Armijo's rule); the usual

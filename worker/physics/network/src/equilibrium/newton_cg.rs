@@ -12,7 +12,11 @@
 use std::sync::Arc;
 
 use loadframe_harness::Interrupt;
-use loadframe_numerics::{Team, wide};
+use loadframe_numerics::{
+    Team,
+    equilibrium::{Newton, settle},
+    wide,
+};
 
 use super::{
     Search,
@@ -113,68 +117,123 @@ pub(super) fn descend(
     team: &Team,
     meter: &mut Meter<'_>,
 ) -> Result<Residual, Interrupt> {
-    // nothing is known of how residuals fall: the first step is a loose one
-    let mut previous_norm = 0.0;
-    let mut iterations = 0;
-    // residual below which parts are worth balancing, again if they just were
-    let mut worth_parts = f64::INFINITY;
-    let mut precision = Precision::Single;
     let cells = Arc::clone(&single.cells);
-    let mut waves = Waves::new(assembly, &cells);
-    loop {
-        let residual = here.residual(assembly, search.force_limit);
-        if residual.verdict != Verdict::Unbalanced || iterations == search.iteration_limit {
-            if !here.is_patched {
-                return Ok(residual);
-            }
-            here.update(assembly, team);
-            continue;
-        }
-        if residual.largest < worth_parts {
-            let neighbourhoods = &mut single.neighbourhoods;
-            if let Some(again) = neighbourhoods.relax(search, assembly, here, &residual, meter)? {
-                worth_parts = again;
+    let mut way = Way {
+        search,
+        assembly,
+        team,
+        // not looked at yet
+        residual: Residual {
+            largest: f64::INFINITY,
+            node: 0,
+            mean: f64::INFINITY,
+            verdict: Verdict::Unbalanced,
+        },
+        here,
+        there,
+        single,
+        waves: Waves::new(assembly, &cells),
+        // nothing is known of how residuals fall: the first step is a loose one
+        previous_norm: 0.0,
+        worth_parts: f64::INFINITY,
+        precision: Precision::Single,
+        meter,
+    };
+    settle(&mut way, search.iteration_limit)?;
+    Ok(way.residual)
+}
+
+/// The way to an equilibrium.
+struct Way<'a, 'b, 'm> {
+    search: &'b Search,
+    assembly: &'a Assembly,
+    team: &'b Team,
+    here: &'b mut Configuration,
+    there: &'b mut Configuration,
+    single: &'b mut Memory<f32>,
+    waves: Waves<'a>,
+    residual: Residual,
+    previous_norm: f64,
+    /// Residual below which parts are worth balancing, again if they just were.
+    worth_parts: f64,
+    precision: Precision,
+    meter: &'b mut Meter<'m>,
+}
+
+impl Newton for Way<'_, '_, '_> {
+    type Failure = Interrupt;
+
+    fn is_at_rest(&mut self, steps: u32) -> Result<bool, Interrupt> {
+        let Self {
+            search, assembly, ..
+        } = *self;
+        loop {
+            self.residual = self.here.residual(assembly, search.force_limit);
+            let is_balanced = self.residual.verdict != Verdict::Unbalanced;
+            if is_balanced || steps == search.iteration_limit {
+                if !self.here.is_patched {
+                    return Ok(is_balanced);
+                }
+                self.here.update(assembly, self.team);
                 continue;
             }
+            if self.residual.largest < self.worth_parts {
+                let neighbourhoods = &mut self.single.neighbourhoods;
+                let (here, residual) = (&mut *self.here, &self.residual);
+                let again = neighbourhoods.relax(search, assembly, here, residual, self.meter)?;
+                if let Some(again) = again {
+                    self.worth_parts = again;
+                    continue;
+                }
+            }
+            self.worth_parts = f64::INFINITY;
+            return Ok(false);
         }
-        worth_parts = f64::INFINITY;
-        iterations += 1;
-        meter.work.newton_iterations += 1;
+    }
+
+    fn advance(&mut self) -> Result<bool, Interrupt> {
+        self.meter.work.newton_iterations += 1;
+        let (assembly, team, there) = (self.assembly, self.team, &mut *self.there);
         let mut iteration = Iteration {
-            search,
+            search: self.search,
             assembly,
             team,
-            here,
-            waves: &mut waves,
-            tightest: match precision {
+            here: self.here,
+            waves: &mut self.waves,
+            tightest: match self.precision {
                 Precision::Single => SINGLE,
                 Precision::Double => DOUBLE,
             },
-            norm: if residual.largest < NEAR * search.force_limit {
+            norm: if self.residual.largest < NEAR * self.search.force_limit {
                 f64::INFINITY
             } else {
-                previous_norm
+                self.previous_norm
             },
         };
-        let accepted = match precision {
-            Precision::Single => iteration.go(&here.stiffness, single, there, meter)?,
+        let is_accepted = match self.precision {
+            Precision::Single => {
+                let stiffness = &self.here.stiffness;
+                iteration.go(stiffness, self.single, there, self.meter)?
+            }
             Precision::Double => {
                 let exact: Configuration<f64> =
-                    Configuration::new(assembly, here.displacements.clone(), team);
-                iteration.go(&exact.stiffness, &mut Memory::new(assembly), there, meter)?
+                    Configuration::new(assembly, self.here.displacements.clone(), team);
+                let memory = &mut Memory::new(assembly);
+                iteration.go(&exact.stiffness, memory, there, self.meter)?
             }
         };
-        previous_norm = iteration.norm;
-        if accepted {
-            std::mem::swap(here, there);
-        } else if precision == Precision::Single {
-            precision = Precision::Double;
-        } else if here.is_patched {
-            here.update(assembly, team);
+        self.previous_norm = iteration.norm;
+        if is_accepted {
+            std::mem::swap(self.here, self.there);
+        } else if self.precision == Precision::Single {
+            self.precision = Precision::Double;
+        } else if self.here.is_patched {
+            self.here.update(assembly, team);
         } else {
             // neither Hessian leads down: this is as far as the arithmetic goes
-            return Ok(residual);
+            return Ok(false);
         }
+        Ok(true)
     }
 }
 

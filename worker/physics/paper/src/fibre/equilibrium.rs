@@ -1,6 +1,8 @@
 //! Rest of a tube under held points: for small displacements, for large ones, and where it buckles.
 //!
 //! Displacements are three a point, in µm, forces in mN. Tension is positive.
+use loadframe_numerics::equilibrium::{Newton, Settled, halved, settle};
+
 use super::equations::{Equations, Stiffness, direction};
 use super::{Tube, TubeError};
 
@@ -115,55 +117,95 @@ pub fn small(tube: &Tube, supports: &Supports) -> Result<Rest, TubeError> {
 /// # Errors
 /// [`TubeError::NotConverged`] with the largest displacement asked for.
 pub fn large(tube: &Tube, supports: &Supports, start: &[f64]) -> Result<Rest, TubeError> {
-    let held = supports.held();
-    let mut equations = Equations::new(tube, &held)?;
-    let mut displacements: Vec<f64> = start
+    let displacements: Vec<f64> = start
         .iter()
         .zip(&supports.moved_um)
         .map(|(&start, moved)| moved.unwrap_or(start))
         .collect();
-    let size = displacements.len();
-    let (mut step, mut trial) = (vec![0.0; size], vec![0.0; size]);
-    let mut residual = f64::INFINITY;
-    for factorings in 0..MOST_STEPS {
-        let places = moved(tube, &displacements);
-        let (forces, tensions, energy) = large_forces(tube, &displacements);
-        let mut rest = at_rest(tube, supports, displacements.clone(), &forces, tensions);
-        rest.factorings = factorings;
-        residual = rest.residual;
-        if residual <= RESIDUAL {
-            return Ok(rest);
+    let mut way = Way {
+        tube,
+        supports,
+        equations: Equations::new(tube, &supports.held())?,
+        step: vec![0.0; displacements.len()],
+        at: Forced::new(tube, supports, displacements),
+    };
+    match settle(&mut way, MOST_STEPS)? {
+        Settled::AtRest(_) => Ok(way.at.rest),
+        Settled::Stuck(_) | Settled::Slow => {
+            let asked = supports.moved_um.iter().flatten();
+            Err(TubeError::NotConverged {
+                displacement_um: asked.fold(0.0, |most, moved| most.max(moved.abs())),
+                residual: way.at.rest.residual,
+                limit: RESIDUAL,
+                rounds: MOST_STEPS,
+            })
         }
-        if equations
-            .factor(stressed(tube, &places, &rest.tensions_mn, false))
-            .is_err()
-        {
-            equations.factor(stressed(tube, &places, &rest.tensions_mn, true))?;
-        }
-        equations.solve(&forces, &mut step);
-        let mut part = 1.0;
-        let mut halvings = 0;
-        loop {
-            for ((trial, at), step) in trial.iter_mut().zip(&displacements).zip(&step) {
-                *trial = at + part * step;
-            }
-            let new = large_forces(tube, &trial).2;
-            // near rest the energy changes by less than its round-off
-            if new <= energy * (1.0 + 1e-12) || halvings == MOST_HALVINGS {
-                break;
-            }
-            part *= 0.5;
-            halvings += 1;
-        }
-        displacements.copy_from_slice(&trial);
     }
-    let asked = supports.moved_um.iter().flatten();
-    Err(TubeError::NotConverged {
-        displacement_um: asked.fold(0.0, |most, moved| most.max(moved.abs())),
-        residual,
-        limit: RESIDUAL,
-        rounds: MOST_STEPS,
-    })
+}
+
+/// The way of a tube to its rest.
+struct Way<'a> {
+    tube: &'a Tube,
+    supports: &'a Supports,
+    equations: Equations,
+    at: Forced,
+    step: Vec<f64>,
+}
+
+/// A tube after displacements, at rest or not.
+struct Forced {
+    rest: Rest,
+    /// Of the springs on all points, three a point [mN].
+    forces: Vec<f64>,
+    energy_nj: f64,
+}
+
+impl Forced {
+    fn new(tube: &Tube, supports: &Supports, displacements: Vec<f64>) -> Self {
+        let (forces, tensions, energy_nj) = large_forces(tube, &displacements);
+        Self {
+            rest: at_rest(tube, supports, displacements, &forces, tensions),
+            forces,
+            energy_nj,
+        }
+    }
+}
+
+impl Newton for Way<'_> {
+    type Failure = TubeError;
+
+    fn is_at_rest(&mut self, steps: u32) -> Result<bool, TubeError> {
+        self.at.rest.factorings = steps;
+        Ok(self.at.rest.residual <= RESIDUAL)
+    }
+
+    fn advance(&mut self) -> Result<bool, TubeError> {
+        let tube = self.tube;
+        let Forced {
+            rest,
+            forces,
+            energy_nj: energy,
+        } = &self.at;
+        let energy = *energy;
+        let places = moved(tube, &rest.displacements_um);
+        let stiffness =
+            |is_tension_only| stressed(tube, &places, &rest.tensions_mn, is_tension_only);
+        if self.equations.factor(stiffness(false)).is_err() {
+            self.equations.factor(stiffness(true))?;
+        }
+        self.equations.solve(forces, &mut self.step);
+        halved(1.0, MOST_HALVINGS, |part, halvings| {
+            let from = self.at.rest.displacements_um.iter().zip(&self.step);
+            let displacements = from.map(|(at, step)| at + part * step).collect();
+            let there = Forced::new(tube, self.supports, displacements);
+            // near rest the energy changes by less than its round-off
+            let is_taken = there.energy_nj <= energy * (1.0 + 1e-12) || halvings == MOST_HALVINGS;
+            if is_taken {
+                self.at = there;
+            }
+            Ok(is_taken)
+        })
+    }
 }
 
 /// The smallest factor λ > 0 at which (K + λ K_f) φ = 0, K_f the stiffness that the tensions f of a

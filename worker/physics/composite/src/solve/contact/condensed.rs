@@ -18,7 +18,7 @@ use crate::matrix::GridMatrix;
 use crate::solve::contact::reach::{Point, points, refuse_overlap};
 use crate::solve::contact::roller::Roller;
 use crate::solve::contact::trial::{ROUND_OFF, Trial, largest};
-use crate::solve::equations::Equations;
+use crate::solve::equations::{Equations, told};
 use crate::solve::equilibrium::StaticOptions;
 use crate::supports::Supports;
 
@@ -104,7 +104,7 @@ impl<'a> Condensed<'a> {
         lattice.tangent(Geometry::Linear, Tangent::Exact, &rest, &mut matrix);
         let equations = Equations::new(options.method, &matrix, grid, &anchored)
             .and_then(|mut equations| equations.prepare(&matrix).map(|()| equations))
-            .map_err(|failure| failure.told(grid))?;
+            .map_err(|failure| told(failure, grid))?;
         let pushed = vec![None; points.len()];
         let mut condensed = Self {
             lattice,
@@ -150,7 +150,7 @@ impl<'a> Condensed<'a> {
         }
         self.equations
             .solve(&self.matrix, &forces, &mut step)
-            .map_err(|failure| failure.told(self.lattice.grid()))?;
+            .map_err(|failure| told(failure, self.lattice.grid()))?;
         for (u, step) in u.iter_mut().zip(&step) {
             *u += step;
         }

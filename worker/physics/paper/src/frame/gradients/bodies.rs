@@ -16,7 +16,7 @@ use super::super::element::{Ends, Matrix12, PARTS};
 use super::super::error::FrameError;
 use super::super::factor::Factor;
 use super::groups::{Groups, Link, NONE};
-use super::operator::{Nodal, Operator, parts, slices};
+use super::operator::{Operator, parts, slices};
 
 /// Most nodes of a group; they have somewhat less than half on average. Iterations grow with the root of it,
 /// the factor shrinks faster: at 64 it takes a third of the time of an iteration of a square centimetre.
@@ -94,7 +94,7 @@ impl Bodies {
         operator: &Operator<'_, M>,
         team: &Team,
         right: &[[f64; M]],
-        solution: &mut Nodal<M>,
+        solution: &mut [[f64; M]],
     ) {
         self.solve(operator, team, right);
         let network = operator.network;

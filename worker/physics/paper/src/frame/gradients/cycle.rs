@@ -71,7 +71,7 @@ impl<const M: usize> Cycle<M> {
         operator: &mut Operator<'_, M>,
         team: &Team,
         right: &[[f64; M]],
-        solution: &mut Nodal<M>,
+        solution: &mut [[f64; M]],
     ) -> f64 {
         solution.fill([0.0; M]);
         self.chains

@@ -5,14 +5,14 @@
 //! blocks along the fibre; and `bodies`, groups of some thirty nodes as rigid bodies, all at once,
 //! by a Cholesky factor, `groups` being what hangs together by stiff links. Together they leave about as
 //! many iterations whatever the size of the sheet, as two levels do in networks [GortzHellmanMalqvist2024].
-//! `conjugate` iterates and estimates its error in energy; `rest` starts from the last equilibrium,
-//! stops when what breaks next is known well enough, and takes out what breaks.
+//! `system` iterates with both, as [`loadframe_numerics::equilibrium`] does, to an error in energy; `rest`
+//! starts from the last equilibrium, stops when what breaks next is known well enough, and takes out what
+//! breaks.
 //!
 //! Passes are shared among threads by fixed pieces, sums go in a fixed order: the bits do not know
 //! the number of threads.
 mod bodies;
 mod chains;
-mod conjugate;
 mod cycle;
 mod groups;
 mod operator;

@@ -5,7 +5,7 @@
 //! √(eᵀKe), by which the error of the next break's failure index is told.
 use std::sync::Arc;
 
-use loadframe_numerics::Team;
+use loadframe_numerics::{Team, equilibrium::Ended};
 use nalgebra::Vector3;
 
 use super::super::balance::{Forces, Motion};
@@ -245,7 +245,7 @@ impl<'n> Relaxation<'n> {
             self.iterations += iterated.iterations;
             self.look();
             let is_at_floor = self.residual <= FLOOR;
-            if !iterated.is_found && !is_at_floor {
+            if iterated.ended != Ended::Near && !is_at_floor {
                 break;
             }
             self.index_error = iterated.error * self.sensitivity();

@@ -1,15 +1,20 @@
 //! The equations of a network: what is active, its preconditioner, and the motion that solves them.
 use std::sync::Arc;
 
-use loadframe_numerics::Team;
+use loadframe_numerics::{
+    Team,
+    equilibrium::{Enough, Found, Gradients, Preconditioned},
+};
 use nalgebra::Vector3;
 
 use super::super::error::FrameError;
 use super::super::input::NodeLoad;
 use super::super::network::Network;
-use super::conjugate::{Iterated, Vectors};
 use super::cycle::Cycle;
 use super::operator::{Nodal, Operator, ends_of, parts};
+
+/// Iterations before giving up. Some 100 are usual.
+const ITERATIONS: usize = 20_000;
 
 /// What takes part in equilibrium.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -32,7 +37,7 @@ pub(super) trait System: std::fmt::Debug {
     /// Makes groups and the factor of their motions anew.
     fn renew(&mut self) -> Result<(), FrameError>;
     /// Moves the nodes until the error in energy is about `wanted`.
-    fn solve(&mut self, wanted: f64) -> Iterated;
+    fn solve(&mut self, wanted: f64) -> Found;
     /// √(uᵀKu) of what is free.
     fn energy_norm(&mut self) -> f64;
     /// Motions of a node, and of all in a row.
@@ -53,7 +58,7 @@ pub(super) trait System: std::fmt::Debug {
 pub(super) struct Equations<'n, const M: usize> {
     operator: Operator<'n, M>,
     cycle: Cycle<M>,
-    vectors: Vectors<M>,
+    vectors: Gradients<M>,
     motion: Nodal<M>,
     loads: Nodal<M>,
     team: Arc<Team>,
@@ -80,7 +85,7 @@ impl<'n, const M: usize> Equations<'n, M> {
         }
         let mut equations = Self {
             cycle: Cycle::new(&operator, &team)?,
-            vectors: Vectors::new(nodes),
+            vectors: Gradients::new(nodes),
             motion: vec![[0.0; M]; nodes],
             loads: Vec::new(),
             operator,
@@ -89,6 +94,24 @@ impl<'n, const M: usize> Equations<'n, M> {
         equations.spread(&mut points);
         equations.loads = points[..nodes].iter().map(nodal).collect();
         Ok(equations)
+    }
+}
+
+/// What is active, and what it is preconditioned by.
+struct Active<'a, 'n, const M: usize> {
+    operator: &'a mut Operator<'n, M>,
+    cycle: &'a mut Cycle<M>,
+    team: &'a Team,
+}
+
+impl<const M: usize> Preconditioned<M> for Active<'_, '_, M> {
+    fn apply(&mut self, motion: &[[f64; M]], forces: &mut [[f64; M]]) -> f64 {
+        self.operator.apply(self.team, motion, forces)
+    }
+
+    fn precondition(&mut self, residual: &[[f64; M]], corrected: &mut [[f64; M]]) -> f64 {
+        let operator = &mut *self.operator;
+        self.cycle.solve(operator, self.team, residual, corrected)
     }
 }
 
@@ -143,7 +166,7 @@ impl<const M: usize> System for Equations<'_, M> {
         self.cycle.renew(&self.operator)
     }
 
-    fn solve(&mut self, wanted: f64) -> Iterated {
+    fn solve(&mut self, wanted: f64) -> Found {
         let Self {
             operator,
             cycle,
@@ -154,7 +177,13 @@ impl<const M: usize> System for Equations<'_, M> {
         } = self;
         team.gather(|| {
             operator.lack(team, motion, loads, &mut vectors.residual);
-            vectors.iterate((operator, cycle), team, motion, wanted)
+            let mut active = Active {
+                operator,
+                cycle,
+                team,
+            };
+            let enough = Enough::EnergyError(wanted);
+            vectors.solve(&mut active, team, motion, enough, ITERATIONS)
         })
     }
 

@@ -3,6 +3,7 @@
 //! The matrix is the second derivative of the energy, factored anew in every iteration; where it is not
 //! positive definite its diagonal is raised until it is, so that steps go downhill. Moments of fixed axis
 //! have no energy: under them convergence is linear instead of quadratic.
+use loadframe_numerics::equilibrium::{self, Settled, Unbalanced, halved};
 use nalgebra::Vector3;
 
 use super::super::balance::Forces;
@@ -23,17 +24,17 @@ const BALANCED: f64 = 1e-11;
 const ROUND_OFF: f64 = 2e-14;
 
 /// Iterations before giving up; 5 to 10 are usual.
-const ITERATIONS: usize = 100;
+const ITERATIONS: u32 = 100;
 
 /// Largest rotation in one iteration [rad]: beyond, a step of Newton says little.
 const LARGEST_TURN: f64 = 0.5;
 
 /// A step is halved until the force along it falls to this share, but not more often than this.
 const SLACK: f64 = 0.8;
-const HALVINGS: usize = 4;
+const HALVINGS: u32 = 4;
 
 /// A step into what no element can follow is halved so often.
-const RETREATS: usize = 20;
+const RETREATS: u32 = 20;
 
 /// What is solved for: the clusters that are held, without what is broken.
 #[derive(Debug)]
@@ -120,60 +121,33 @@ impl<'n> Newton<'n> {
         loads: &[NodeLoad],
         share: f64,
     ) -> Result<Found, FrameError> {
-        let too_far = || FrameError::Unbalanced {
-            residual: f64::INFINITY,
-            allowed: BALANCED,
-            iterations: 0,
-        };
-        let mut forces = self.look(shape).ok_or_else(too_far)?;
-        let mut right = self.unbalanced(&forces, loads, share);
-        let mut residual = f64::INFINITY;
-        for iteration in 0..ITERATIONS {
-            let worst = self.worst(&right);
-            residual = worst / forces.scale.max(f64::MIN_POSITIVE);
-            if residual <= BALANCED || worst <= ROUND_OFF * forces.round_off {
-                return Ok(Found {
-                    forces,
-                    residual,
-                    iterations: iteration,
-                });
-            }
-            self.factor(shape)?;
-            let mut step = right.clone();
-            self.factor.solve(&mut step, 1);
-            let mut length = (LARGEST_TURN / self.largest_turn(&step)).min(1.0);
-            let along = |right: &[f64]| right.iter().zip(&step).map(|(r, s)| r * s).sum::<f64>();
-            let before = along(&right);
-            let mut halvings = 0;
-            loop {
-                let mut trial = shape.clone();
-                self.step(&mut trial, &step, length);
-                if let Some(there) = self.look(&trial) {
-                    let remaining = self.unbalanced(&there, loads, share);
-                    let is_down = along(&remaining).abs() <= SLACK * before.abs();
-                    if is_down || halvings >= HALVINGS {
-                        *shape = trial;
-                        forces = there;
-                        right = remaining;
-                        break;
-                    }
-                }
-                halvings += 1;
-                length *= 0.5;
-                if halvings > RETREATS {
-                    return Err(FrameError::Unbalanced {
-                        residual,
-                        allowed: BALANCED,
-                        iterations: iteration,
-                    });
-                }
-            }
-        }
-        Err(FrameError::Unbalanced {
+        let unbalanced = |residual, iterations: u32| FrameError::Unbalanced {
             residual,
             allowed: BALANCED,
-            iterations: ITERATIONS,
-        })
+            iterations: iterations as usize,
+        };
+        let forces = self
+            .look(shape)
+            .ok_or_else(|| unbalanced(f64::INFINITY, 0))?;
+        let right = self.unbalanced(&forces, loads, share);
+        let mut way = Way {
+            newton: self,
+            shape,
+            loads,
+            share,
+            forces,
+            right,
+            residual: f64::INFINITY,
+        };
+        match equilibrium::settle(&mut way, ITERATIONS)? {
+            Settled::AtRest(steps) => Ok(Found {
+                forces: way.forces,
+                residual: way.residual,
+                iterations: steps as usize,
+            }),
+            Settled::Stuck(steps) => Err(unbalanced(way.residual, steps)),
+            Settled::Slow => Err(unbalanced(way.residual, ITERATIONS)),
+        }
     }
 
     /// All active elements in a shape; none where one cannot follow it.
@@ -282,6 +256,57 @@ impl<'n> Newton<'n> {
             };
             shape.step(node as usize, shift, turn);
         }
+    }
+}
+
+/// The way to an equilibrium.
+struct Way<'w, 'n> {
+    newton: &'w mut Newton<'n>,
+    shape: &'w mut Shape,
+    loads: &'w [NodeLoad],
+    share: f64,
+    forces: Forces,
+    right: Vec<f64>,
+    residual: f64,
+}
+
+impl equilibrium::Newton for Way<'_, '_> {
+    type Failure = FrameError;
+
+    fn is_at_rest(&mut self, _: u32) -> Result<bool, FrameError> {
+        let left = Unbalanced {
+            largest: self.newton.worst(&self.right),
+            scale: self.forces.scale,
+            round_off: ROUND_OFF * self.forces.round_off,
+        };
+        self.residual = left.share();
+        Ok(left.is_within(BALANCED))
+    }
+
+    fn advance(&mut self) -> Result<bool, FrameError> {
+        self.newton.factor(self.shape)?;
+        let newton = &*self.newton;
+        let mut step = self.right.clone();
+        newton.factor.solve(&mut step, 1);
+        let length = (LARGEST_TURN / newton.largest_turn(&step)).min(1.0);
+        let along = |right: &[f64]| right.iter().zip(&step).map(|(r, s)| r * s).sum::<f64>();
+        let before = along(&self.right);
+        halved(length, RETREATS, |length, halvings| {
+            let mut trial = self.shape.clone();
+            newton.step(&mut trial, &step, length);
+            let Some(there) = newton.look(&trial) else {
+                return Ok(false);
+            };
+            let remaining = newton.unbalanced(&there, self.loads, self.share);
+            let is_down = along(&remaining).abs() <= SLACK * before.abs();
+            let is_taken = is_down || halvings >= HALVINGS;
+            if is_taken {
+                *self.shape = trial;
+                self.forces = there;
+                self.right = remaining;
+            }
+            Ok(is_taken)
+        })
     }
 }
 
