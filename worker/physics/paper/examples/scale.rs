@@ -170,7 +170,7 @@ fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
                 taken()[0],
                 pull.cost()
             ),
-            Step::Broke(_) | Step::Strained => {}
+            Step::Broke(_) | Step::Moved(_) | Step::Strained => {}
         }
     }
     let cost = pull.cost();

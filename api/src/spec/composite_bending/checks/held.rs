@@ -175,10 +175,10 @@ fn check_borne(spec: &CompositeBending, supports: &Supports, violations: &mut Vi
         LoadPlace::Face(loaded) => *loaded == face,
         LoadPlace::Patch(patch) => patch.face == face,
         LoadPlace::PointMm([x, y]) => match face {
-            Face::Left => *x == 0.0,
-            Face::Right => *x == sides[0],
-            Face::Bottom => *y == 0.0,
-            Face::Top => *y == sides[1],
+            Face::Left => *x <= 0.0,
+            Face::Right => *x >= sides[0],
+            Face::Bottom => *y <= 0.0,
+            Face::Top => *y >= sides[1],
         },
         LoadPlace::Body => false,
     };
