@@ -474,7 +474,7 @@ def per_fibre(folder: Path) -> list[list[str]]:
 # ── masses in motion ────────────────────────────────────────────────────────────────────────────────
 
 # Strains a second.
-RATES = [5000, 1000, 200, 50]
+RATES = [5000, 1000, 200, 50, 15]
 MOVED_SEEDS = 3
 
 

@@ -59,9 +59,9 @@ const USUAL_MASS: f64 = 0.1;
 const OF_MASS: f64 = 0.35;
 const WITHOUT_MASS: f64 = 0.045;
 /// What a node with its segment, with the springs of a tube, and a bond cost in a step, in evaluations of one bond.
-const OF_NODE: f64 = 5.0;
+const OF_NODE: f64 = 8.0;
 const TUBE_SPRINGS: f64 = 1.0;
-const OF_BOND: f64 = 5.0;
+const OF_BOND: f64 = 8.0;
 /// An element in a picture, a break with its two points of the curve [MB].
 const CELL_MB: f64 = 120e-6;
 const EVENT_MB: f64 = 300e-6;
