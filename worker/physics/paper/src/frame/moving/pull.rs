@@ -3,6 +3,8 @@
 //! Nodes have the velocities of an even stretch at the start, and drag resists what they do beside that. Leapfrog:
 //! velocities half a step before and after the places, drag by their mean. Parts break in the step in which their failure
 //! index has come to 1, all of them at once. Energies are those of one moment: the mean velocity is that of the places.
+//!
+//! Long for its two halves, the steps and what every pull is asked, share one state.
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -47,7 +49,6 @@ pub(crate) struct MovingPull<'n, E: SpringSum> {
     motion: Motion,
     velocity: Vec<[Vector3<f64>; 2]>,
     forces: Forces,
-    /// Of parts that broke so far [nJ].
     now: Moved,
 }
 
@@ -374,7 +375,6 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
                 moving.until_peak = moving.intervals.len();
             }
         }
-        self.judge();
     }
 
     /// How near to rest it was up to the peak.
@@ -384,9 +384,7 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
         };
         let peak = self.state.measures.peak_force_mn;
         let until_peak = moving.intervals.iter().take(moving.until_peak);
-        let asked = until_peak
-            .clone()
-            .filter(|one| one.forces_mn[1] >= ASKED_FROM * peak);
+        let asked = until_peak.filter(|one| one.forces_mn[1] >= ASKED_FROM * peak);
         let (mut share, mut imbalance) = (0.0_f64, 0.0_f64);
         for one in asked {
             share = share.max(one.kinetic_share);
@@ -447,6 +445,8 @@ impl<E: SpringSum> Pulling for MovingPull<'_, E> {
             return Ok(Step::Ended(end));
         }
         if let Some(end) = self.ending() {
+            // once: it reads all points
+            self.judge();
             self.state.ended = Some(end);
             return Ok(Step::Ended(end));
         }
