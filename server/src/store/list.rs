@@ -4,6 +4,8 @@
 //! decides how many jobs are looked at in vain. Where only some hundred have the status, outcome, kind
 //! or tag asked for, these are walked; else what is searched for; else the tag; else the status,
 //! outcome and kind; and without any of them the jobs themselves.
+//!
+//! One file, long as it is: which statement is quick and what it says are chosen together.
 use loadframe_api::{JobKind, JobView, Page, Timestamp};
 use uuid::Uuid;
 

@@ -1,4 +1,6 @@
 //! Webhooks, told over real sockets.
+//!
+//! One file, long as it is: all of it listens with one receiver.
 use std::sync::{Arc, Mutex};
 
 use axum::Router;
