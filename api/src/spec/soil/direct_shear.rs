@@ -50,8 +50,13 @@ impl DirectShear {
     }
 
     fn velocity(&self, pace: &Pace) -> f64 {
-        let band = self.height_m.min(BAND * pace.diameter);
-        self.shear_velocity_m_per_s.unwrap_or(pace.test * band)
+        let velocity = self.shear_velocity_m_per_s;
+        velocity.unwrap_or(pace.test * self.band(pace))
+    }
+
+    /// Thickness of what is sheared [m].
+    fn band(&self, pace: &Pace) -> f64 {
+        self.height_m.min(BAND * pace.diameter)
     }
 }
 
@@ -82,6 +87,11 @@ impl Shearing for DirectShear {
 
     fn room(&self, expansion: f64) -> [f64; 3] {
         [self.length_m, self.width_m, expansion * self.height_m]
+    }
+
+    fn given_shear_rate(&self, pace: &Pace) -> Option<f64> {
+        let velocity = self.shear_velocity_m_per_s?;
+        Some(velocity / self.band(pace))
     }
 
     fn set_up(&self, script: &mut Script, pace: &Pace, friction_factor: f64) -> f64 {

@@ -46,6 +46,9 @@ pub trait Shearing: Clone {
     /// Sides of the box in which grains are placed [m], given its volume over that of the specimen.
     fn room(&self, expansion: f64) -> [f64; 3];
 
+    /// γ̇ at which the specimen is sheared [1/s], where the test gives a rate of its own.
+    fn given_shear_rate(&self, pace: &Pace) -> Option<f64>;
+
     /// Writes walls and stages; the last stage is the test, which lasts the returned time [s].
     fn set_up(&self, script: &mut Script, pace: &Pace, friction_factor: f64) -> f64;
 

@@ -75,6 +75,11 @@ impl Shearing for Triaxial {
         self.sides().map(|side| side * expansion.cbrt())
     }
 
+    fn given_shear_rate(&self, _pace: &Pace) -> Option<f64> {
+        let rate = self.axial_strain_rate_per_s?;
+        Some(SHEAR_PER_STRAIN * rate)
+    }
+
     fn set_up(&self, script: &mut Script, pace: &Pace, friction_factor: f64) -> f64 {
         let [x, y, z] = self.room(pace.expansion);
         script.plane("left", Axis::X, [0.0, 1.0], SMOOTH);

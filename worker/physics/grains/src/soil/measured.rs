@@ -1,11 +1,13 @@
 //! What a test of soil is read off: rows of a scene by the names of their columns.
 use std::collections::BTreeMap;
 
-use loadframe_api::spec::soil::{Script, Shearing};
+use loadframe_api::spec::soil::Script;
 use loadframe_harness::ReportBuilder;
 
+use super::Tabled;
+
 /// A test that can be read off a scene.
-pub trait Measured: Shearing {
+pub trait Measured: Tabled {
     /// A row of the scene, given the first one, in the terms of the test: as many as it has columns.
     #[doc(hidden)]
     fn row(&self, script: &Script, row: &Reading<'_>, first: &Reading<'_>) -> Vec<f64>;

@@ -4,9 +4,10 @@
 //! the job's recorder sits a [`Tester`], which makes the test's own curve of the walls' places and forces,
 //! row by row; when the engine is done, the test reads its results off that curve. What a test is to be
 //! read as is [`Measured`], of the [`Rows`](measured::Rows) that were heard: [`triaxial`] and [`direct_shear`], one file each. Angles that both have are of
-//! [`angles`]. A resumed run hears the whole curve again, so that nothing here is kept in a checkpoint.
+//! [`angles`]. What is known of how far results are off, [`errors`] adds. A resumed run hears the whole curve again, so that nothing here is kept in a checkpoint.
 mod angles;
 mod direct_shear;
+mod errors;
 mod measured;
 mod tester;
 mod triaxial;
@@ -17,6 +18,7 @@ use loadframe_harness::{Ending, Halt, Recorder, ReportBuilder, RunContext, Simul
 use crate::stages;
 use tester::Tester;
 
+pub use errors::Tabled;
 pub use measured::{Measured, Reading};
 
 /// Part of the force on one wall that another does not carry, beyond which forces are those of motion.
@@ -52,7 +54,13 @@ pub fn run<T: Measured>(
     let mut tester = Tester::new(&spec.test, &script, recorder);
     let (ending, _) = stages::run::run(&script.scene, context, &mut tester)?;
     Ok(match ending {
-        Ending::Finished(scene) => Ending::Finished(conclude(&spec.test, scene, &mut tester)?),
+        Ending::Finished(scene) => {
+            let mut report = conclude(&spec.test, scene, &mut tester)?;
+            if let Some(words) = errors::add(&mut report, spec) {
+                tester.log(&words);
+            }
+            Ending::Finished(report)
+        }
         ending => ending,
     })
 }
