@@ -42,7 +42,7 @@ pub use oedometer::{Oedometer, Section};
 pub use output::Output;
 pub use preparation::{Compaction, PouredAsSpheres, Preparation, Tamper, Tamping};
 pub use railbed::Railbed;
-pub use script::{BED, Course, GRAVITY, Layer, Load, Phase, Script, Slice};
+pub use script::{BED, Course, Layer, Load, Phase, Script, Slice};
 pub use walls::Walls;
 
 /// The oedometer: a cylinder, pressed by a plate.

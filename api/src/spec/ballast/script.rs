@@ -103,8 +103,8 @@ pub struct Script {
     overfill: f64,
 }
 
-/// Of the beds [m/s²].
-pub const GRAVITY: f64 = 9.81;
+/// g [m/s²].
+const GRAVITY: f64 = 9.81;
 /// The region that holds the whole bed under the wall.
 pub const BED: &str = "bed";
 

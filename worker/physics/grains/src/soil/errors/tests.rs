@@ -11,6 +11,9 @@ use crate::soil::Soil;
 const ANGLE: f64 = 40.0;
 const DILATANCY: f64 = -2.0;
 
+/// Of an error, by source.
+type Parts = Option<Vec<(String, f64)>>;
+
 /// A job of the kind with a change.
 fn job(kind: &str, test: &Value, pointer: &str, value: &Value) -> JobSpec {
     let mut body = json!({"kind": kind, "spec": {"version": 1,
@@ -45,7 +48,7 @@ fn direct_shear(pointer: &str, value: &Value) -> SoilDirectShear {
 }
 
 /// Parts of the errors of peak and dilatancy, and what is said.
-fn told<T: Tabled>(spec: &Soil<T>) -> ([Option<Vec<(String, f64)>>; 2], Option<String>) {
+fn told<T: Tabled>(spec: &Soil<T>) -> ([Parts; 2], Option<String>) {
     let mut report = Report::default();
     for (name, value) in [
         ("peak_friction_angle", ANGLE),
@@ -65,7 +68,7 @@ fn told<T: Tabled>(spec: &Soil<T>) -> ([Option<Vec<(String, f64)>>; 2], Option<S
 }
 
 /// What the table says of a test at a level of the preset; of dilatancy over the angle at the peak.
-fn tabled<T: Tabled>(level: usize) -> [Option<Vec<(String, f64)>>; 2] {
+fn tabled<T: Tabled>(level: usize) -> [Parts; 2] {
     let table: Value = serde_json::from_str(T::ERRORS).expect("a table");
     ["peak_friction_angle", "dilatancy_angle"].map(|name| {
         let parts = [("specimens", 0), ("preset", level)].map(|(source, level)| {
