@@ -2,9 +2,10 @@
 //!
 //! Tables are what `tests/stated_errors measure KIND SPECS` writes; [`ErrorTable`] reads them. Two sources are
 //! told apart. `specimens` is what the same test on another bed finds: the root mean square difference of
-//! two beds of one spec, both at `reference`, or half of what 95 % stayed below where that is more. `preset`
+//! two beds of one spec at one preset, of ballast `reference`, of soil `draft`, or half of what 95 % stayed below where that is more. `preset`
 //! is what a preset is off beyond that, step, softened preparation and rate together; where it was not more
-//! than beds differ by, it is no part. What `reference` itself leaves is not in it.
+//! than beds differ by, it is no part. What `reference` itself leaves is not in it;
+//! where no `reference` was held against another, it has the level of `standard`.
 use loadframe_api::spec::granular_scene::{Grain, Sizes};
 use loadframe_api::{Preset, Quantity, Report};
 use loadframe_harness::{ErrorTable, Likeness};
