@@ -38,7 +38,10 @@ fn pulled(network: &Network, break_precision: f64) -> (Vec<Vec<usize>>, PullMeas
             Broken::Bond(bond) => bond,
             Broken::Segment(segment) => panic!("segment {segment} broke"),
         });
-        rounds.push(bonds.collect());
+        // equally loaded ones come in the order of round-off
+        let mut bonds: Vec<usize> = bonds.collect();
+        bonds.sort_unstable();
+        rounds.push(bonds);
     }
     (rounds, pull.state().measures)
 }
@@ -77,8 +80,6 @@ fn what_shares_a_fibre_with_something_more_overloaded_waits() {
     });
     let network = Network::new(&fibres, &bonds, model(Level::Beam, 200.0)).unwrap();
     let (rounds, _) = pulled(&network, PRECISION);
-    let mut rounds = rounds;
-    rounds.iter_mut().for_each(|round| round.sort_unstable());
     assert_eq!(rounds, [vec![0, 4], vec![1, 3], vec![2]]);
 }
 
