@@ -4,7 +4,8 @@
 //! Keys and what they are if left out: `length` 2, or several, and `width` half of the length [mm], `grammage`
 //! 60 [g/m²], `segment` 100 [µm], `level` beam or truss, `bonds` inside or nodes, `solver` cost, direct or
 //! iterative, `precision` 0.05, `threads` 1, `seed` 1, `to` rest (the first equilibrium), peak (a tenth below
-//! it, told every twentieth solution) or a number of solutions. Times are those of the processor [s].
+//! it, told every twentieth solution), end (a force of 0.3 of it) or a number of solutions. Times are those of the
+//! processor [s].
 #![allow(clippy::print_stdout, reason = "this prints tables")]
 use std::error::Error;
 use std::sync::Arc;
@@ -156,7 +157,9 @@ fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
         "rest" => 0,
         to => to.parse().unwrap_or(usize::MAX),
     };
+    let mut steps = 0;
     for step in 0..most {
+        steps = step;
         match pull.advance()? {
             Step::Ended(end) => {
                 println!("\n{end:?}");
@@ -185,9 +188,18 @@ fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
         1e3 * (taken()[0] - rested) / (solutions as f64 * fibres),
     );
     let measures = pull.state().measures;
-    if asked.to == "peak" {
-        println!("{measures:?} energy error {:.1e}", measures.energy_error());
-    }
+    println!(
+        "peak {:.6} mN at {:.9}, {:.3} nJ; {} bonds and {} segments broken in {} steps, {:.1} s, energy error {:.1e}, index error {:?}",
+        measures.peak_force_mn,
+        measures.strain_at_peak,
+        measures.work_to_peak_nj,
+        measures.broken_bonds,
+        measures.broken_segments,
+        steps,
+        taken()[0] - rested,
+        measures.energy_error(),
+        measures.largest_index_error
+    );
     Ok(())
 }
 

@@ -42,6 +42,8 @@ pub struct Gradients<const N: usize> {
     corrected: Vec<[f64; N]>,
     direction: Vec<[f64; N]>,
     forces: Vec<[f64; N]>,
+    /// Where the motion was once and twice as long ago as an error in energy looks back; empty where none is asked for.
+    marks: [Vec<[f64; N]>; 2],
 }
 
 /// What iterations came to.
@@ -64,7 +66,14 @@ impl<const N: usize> Gradients<N> {
             corrected: none(),
             direction: none(),
             forces: none(),
+            marks: Default::default(),
         }
+    }
+
+    /// The motion from some iterations before the last solution ended, or its start: what moved since is about the
+    /// error that there was then. Empty unless an error in energy was asked for.
+    pub fn earlier(&self) -> &[[f64; N]] {
+        &self.marks[0]
     }
 
     /// Moves the nodes until they are near enough, with at most so many iterations. The [`Self::residual`] is
@@ -85,7 +94,14 @@ impl<const N: usize> Gradients<N> {
             enough,
             product: 0.0,
             drops: [f64::INFINITY; LOOK_BACK],
+            since_mark: 0,
         };
+        if let Enough::EnergyError(_) = under_way.enough {
+            for mark in &mut under_way.vectors.marks {
+                mark.clear();
+                mark.extend_from_slice(under_way.motion);
+            }
+        }
         let begun = under_way.begin();
         let first = under_way.product;
         let (iterations, ended) = match begun {
@@ -121,6 +137,8 @@ struct UnderWay<'a, P, const N: usize> {
     product: f64,
     /// Falls of the squared error in energy, the last one last.
     drops: [f64; LOOK_BACK],
+    /// Iterations since the motion was marked.
+    since_mark: usize,
 }
 
 impl<P: Preconditioned<N>, const N: usize> UnderWay<'_, P, N> {
@@ -188,10 +206,17 @@ impl<P: Preconditioned<N>, const N: usize> Iterated for UnderWay<'_, P, N> {
         });
         self.drops.rotate_left(1);
         self.drops[LOOK_BACK - 1] = length * self.product;
-        if let Enough::EnergyError(most) = self.enough
-            && error(&self.drops) <= most
-        {
-            return None;
+        if let Enough::EnergyError(most) = self.enough {
+            if error(&self.drops) <= most {
+                return None;
+            }
+            self.since_mark += 1;
+            if self.since_mark == LOOK_BACK {
+                self.since_mark = 0;
+                let [earlier, later] = &mut self.vectors.marks;
+                std::mem::swap(earlier, later);
+                later.copy_from_slice(self.motion);
+            }
         }
         if self.has_small_residual() {
             return None;

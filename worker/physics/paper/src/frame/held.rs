@@ -14,6 +14,7 @@ use super::moving::MotionTest;
 use super::network::Network;
 use super::state::PullCost;
 use super::survey::{Critical, breaks_at};
+use super::together::together;
 use super::tubes::PointSprings;
 
 /// Unknowns up to which a factor is made where bonds have nodes. It holds some 100 numbers for each, and as
@@ -133,28 +134,22 @@ impl<'n> Held<'n> {
         }
     }
 
-    /// What breaks next, and all whose failure index lies within `precision` of its own, the most loaded
-    /// first.
-    pub(crate) fn breaking(&self, precision: f64) -> Vec<usize> {
+    /// What breaks at this elongation with one solution, the most loaded first; what breaks next alone where
+    /// `precision` is 0.
+    pub(crate) fn breaking(&self, elongation: f64, precision: f64) -> Vec<usize> {
         let Some(critical) = self.critical() else {
             return Vec::new();
         };
         if precision <= 0.0 {
             return vec![critical.element];
         }
-        // an index of 1 - precision of the largest
-        let last = critical.factor / (1.0 - precision);
-        let mut breaking: Vec<(f64, usize)> = Vec::new();
-        for element in 0..self.network().parts() {
-            if let Some(loads) = self.loads_of(element) {
-                let factor = breaks_at(self.network(), element, &loads);
-                if factor <= last {
-                    breaking.push((factor, element));
-                }
-            }
-        }
-        breaking.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        breaking.into_iter().map(|(_, element)| element).collect()
+        let network = self.network();
+        let index = |element: usize| {
+            let loads = self.loads_of(element)?;
+            Some((element, elongation / breaks_at(network, element, &loads)))
+        };
+        let indices: Vec<(usize, f64)> = (0..network.parts()).filter_map(index).collect();
+        together(network, &indices, precision)
     }
 
     pub(crate) fn network(&self) -> &'n Network {

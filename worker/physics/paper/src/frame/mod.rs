@@ -6,7 +6,7 @@
 //! displacements; [`LargePull`] and [`Network::rest_at_large`] are for large ones, and slower by far.
 //!
 //! From the bottom up: `places` puts nodes on centre lines, `element` is what joins two of them, `tie` holds
-//! bonds between nodes, `clusters` says what hangs together, `survey` looks at what every part bears. Two roads lead to
+//! bonds between nodes, `clusters` says what hangs together, `survey` looks at what every part bears, `together` says what of it breaks at once. Two roads lead to
 //! rest, and `held` chooses: `equilibrium` with a factor of all (`order`, `factor`), exact and for small sheets,
 //! and `gradients`, by iterations, for large ones; `load` is rest under loads. `events` are what happens in a pull, `state`
 //! is what it remembers and measures, `pulling` what every pull can be asked: `pull` drives, `yielding` where
@@ -51,6 +51,7 @@ mod survey;
 #[cfg(test)]
 mod tests;
 mod tie;
+mod together;
 mod tubes;
 mod yielding;
 

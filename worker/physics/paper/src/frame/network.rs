@@ -41,6 +41,8 @@ pub struct Network {
     tubes: Option<Tubes>,
     /// Fibre of each segment.
     owners: Vec<u32>,
+    /// Fibres of each bond.
+    joined: Vec<[u32; 2]>,
     /// Bonds without any strength.
     void: Vec<u32>,
     standing: Vec<Standing>,
@@ -161,6 +163,7 @@ impl Network {
             elements,
             tubes: None,
             owners,
+            joined: bonds.iter().map(|bond| bond.fibres).collect(),
             void: void(bonds),
             standing: Vec::new(),
         };
@@ -331,6 +334,15 @@ impl Network {
     /// Segments and bonds: all that may break.
     pub(crate) fn parts(&self) -> usize {
         self.segments() + self.bonds()
+    }
+
+    /// The two fibres of a bond, or that of a segment twice.
+    pub(crate) fn fibres_of(&self, part: usize) -> [usize; 2] {
+        let fibres = match part.checked_sub(self.segments()) {
+            None => [self.owners[part]; 2],
+            Some(bond) => self.joined[bond],
+        };
+        fibres.map(|fibre| fibre as usize)
     }
 
     /// Of a network of tubes.

@@ -22,8 +22,8 @@ pub struct PullTest {
     pub max_strain: f64,
     /// It ends when an avalanche leaves this share of the largest force or less.
     pub stop_force_fraction: f64,
-    /// All parts whose failure index lies within this share of the largest break together; 0: one by one.
-    /// Those break under that much less than their strength at most.
+    /// All that is within this share of its strength breaks together, but what has a neighbour that is more
+    /// overloaded by more than this share; 0: one by one. Parts break under that much less than their strength at most.
     pub break_precision: f64,
 }
 
@@ -219,7 +219,9 @@ impl Pulling for Pull<'_> {
             }
             self.state.avalanche += 1;
         }
-        let breaking = self.rest.breaking(self.test.break_precision);
+        let breaking = self
+            .rest
+            .breaking(self.state.elongation_um, self.test.break_precision);
         if breaking.is_empty() {
             return Ok(self.end(PullEnd::MaxStrain));
         }

@@ -15,26 +15,26 @@
 //!
 //! and those along it are linear. What moves so can only be stiffer than what it stands for: the energy of a network
 //! with bonds inside is above that with nodes at the bonds, and falls to it with the segment.
-use nalgebra::Vector3;
+use nalgebra::{RealField, Vector3};
 
-use super::element::{Element, Ends};
+use super::element::Element;
 
 /// A point that moves with two nodes of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Tie {
+pub(crate) struct Tie<T = f64> {
     /// The nodes; the same twice for a point that is a node.
     pub(crate) nodes: [u32; 2],
     /// Direction of the segment.
-    along: Vector3<f64>,
+    along: Vector3<T>,
     /// Weight of the first node along the segment; that of the second is what is missing to 1.
-    linear: f64,
+    linear: T,
     /// How much more than that it weighs across.
-    bulge: f64,
+    bulge: T,
     /// Displacement across by rotations of the nodes [µm].
-    lift: [f64; 2],
+    lift: [T; 2],
     /// Rotation across by displacements of the nodes [1/µm], and by their rotations.
-    slope: f64,
-    turn: [f64; 2],
+    slope: T,
+    turn: [T; 2],
 }
 
 impl Tie {
@@ -108,22 +108,40 @@ impl Tie {
         self.nodes[usize::from(self.linear < 0.5)]
     }
 
+    /// The same in other numbers.
+    pub(crate) fn rounded<T>(&self, to: impl Fn(f64) -> T) -> Tie<T> {
+        let [x, y, z] = self.along.into();
+        Tie {
+            nodes: self.nodes,
+            along: Vector3::new(to(x), to(y), to(z)),
+            linear: to(self.linear),
+            bulge: to(self.bulge),
+            lift: self.lift.map(&to),
+            slope: to(self.slope),
+            turn: self.turn.map(&to),
+        }
+    }
+}
+
+impl<T: RealField + Copy> Tie<T> {
     /// Displacement and rotation of the point, by those of its nodes.
-    pub(crate) fn motion(&self, ends: &Ends) -> [Vector3<f64>; 2] {
+    #[inline]
+    pub(crate) fn motion(&self, ends: &[Vector3<T>; 4]) -> [Vector3<T>; 2] {
         let along = self.along;
         let back = ends[0] - ends[2];
         let lift = (ends[1] * self.lift[0] + ends[3] * self.lift[1]).cross(&along);
         let across = back - along * along.dot(&back);
         let shift = ends[2] + back * self.linear + across * self.bulge + lift;
         let bent = ends[1] * self.turn[0] + ends[3] * self.turn[1];
-        let twisted = ends[1] * self.linear + ends[3] * (1.0 - self.linear);
+        let twisted = ends[1] * self.linear + ends[3] * (T::one() - self.linear);
         let turn = bent + along * along.dot(&(twisted - bent)) - along.cross(&back) * self.slope;
         [shift, turn]
     }
 
     /// Forces and moments on the nodes that a force and a moment on the point are worth: the transpose of
     /// [`Tie::motion`].
-    pub(crate) fn spread(&self, [force, moment]: [Vector3<f64>; 2]) -> Ends {
+    #[inline]
+    pub(crate) fn spread(&self, [force, moment]: [Vector3<T>; 2]) -> [Vector3<T>; 4] {
         let along = self.along;
         let across = (force - along * along.dot(&force)) * self.bulge;
         let back = force * self.linear + across - moment.cross(&along) * self.slope;
@@ -134,7 +152,7 @@ impl Tie {
             back,
             lift * self.lift[0] + bend * self.turn[0] + twist * self.linear,
             force - back,
-            lift * self.lift[1] + bend * self.turn[1] + twist * (1.0 - self.linear),
+            lift * self.lift[1] + bend * self.turn[1] + twist * (T::one() - self.linear),
         ]
     }
 }
@@ -142,6 +160,7 @@ impl Tie {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::element::Ends;
     use crate::frame::input::Level;
     use crate::frame::tests::{close, tube};
 

@@ -17,6 +17,7 @@ use super::super::error::FrameError;
 use super::super::factor::Factor;
 use super::groups::{Groups, Link, NONE};
 use super::operator::{Operator, parts, slices};
+use super::scalar::Scalar;
 
 /// Most nodes of a group; they have somewhat less than half on average. Iterations grow with the root of it,
 /// the factor shrinks faster: at 64 it takes a third of the time of an iteration of a square centimetre.
@@ -88,20 +89,21 @@ impl Bodies {
         [self.factor.size(), self.factor.stored()]
     }
 
-    /// Adds to the nodes the motions of their bodies under the forces `right`.
-    pub(super) fn add<const M: usize>(
+    /// The motions that nodes have with their bodies under the forces `right`; 0 at those that are not free.
+    pub(super) fn move_by<T: Scalar, const M: usize>(
         &mut self,
         operator: &Operator<'_, M>,
         team: &Team,
-        right: &[[f64; M]],
-        solution: &mut [[f64; M]],
+        right: &[[T; M]],
+        motion: &mut [[T; M]],
     ) {
         self.solve(operator, team, right);
         let network = operator.network;
         let this = &*self;
-        let work = |(fibres, own): (Range<usize>, &mut [[f64; M]])| {
+        let work = |(fibres, own): (Range<usize>, &mut [[T; M]])| {
             let start = network.nodes_of(fibres.start).start;
             for (node, own) in (start..).zip(own) {
+                *own = [T::zero(); M];
                 // nodes that came loose since are still in their groups
                 let group = this.groups.of_node[node];
                 if group != NONE && operator.is_free[node] {
@@ -109,19 +111,19 @@ impl Bodies {
                     let arm = network.positions()[node] - this.centres[group as usize];
                     let moved = [shift + turn.cross(&arm), turn];
                     for (motion, own) in own.iter_mut().enumerate() {
-                        *own += moved[motion / 3][motion % 3];
+                        *own = T::of(moved[motion / 3][motion % 3]);
                     }
                 }
             }
         };
-        team.map(slices(network, operator.pieces(), solution), work);
+        team.map(slices(network, operator.pieces(), motion), work);
     }
 
-    fn solve<const M: usize>(
+    fn solve<T: Scalar, const M: usize>(
         &mut self,
         operator: &Operator<'_, M>,
         team: &Team,
-        right: &[[f64; M]],
+        right: &[[T; M]],
     ) {
         let positions = operator.network.positions();
         let (groups, centres) = (&self.groups, &self.centres);
@@ -129,7 +131,7 @@ impl Bodies {
             for (group, sums) in (start..).zip(forces) {
                 *sums = Default::default();
                 for &node in groups.nodes(group) {
-                    let [force, moment] = parts(&right[node as usize]);
+                    let [force, moment] = parts(&right[node as usize].map(T::wide));
                     let arm = positions[node as usize] - centres[group];
                     sums[0] += force;
                     sums[1] += moment + arm.cross(&force);
@@ -167,7 +169,7 @@ fn links<const M: usize>(operator: &Operator<'_, M>) -> Vec<Link> {
             stiffness: element.stiffness[0],
             nodes: match index.checked_sub(network.segments()) {
                 None => element.nodes,
-                Some(bond) => operator.ends[bond].map(|tie| tie.nearer()),
+                Some(bond) => operator.ties(bond).map(|tie| tie.nearer()),
             },
         })
         .collect()
@@ -178,7 +180,7 @@ fn nodes_of<const M: usize>(operator: &Operator<'_, M>, element: usize) -> [u32;
     let network = operator.network;
     let [first, second] = match element.checked_sub(network.segments()) {
         None => network.elements()[element].nodes.map(|node| [node; 2]),
-        Some(bond) => operator.ends[bond].map(|tie| tie.nodes),
+        Some(bond) => operator.ties(bond).map(|tie| tie.nodes),
     };
     [first[0], first[1], second[0], second[1]]
 }
@@ -266,7 +268,7 @@ fn deformations<const M: usize>(
         let ends: Ends = match element.checked_sub(network.segments()) {
             None => [a[0], a[1], c[0], c[1]],
             Some(bond) => {
-                let [one, other] = &operator.ends[bond];
+                let [one, other] = operator.ties(bond);
                 let one = one.motion(&[a[0], a[1], b[0], b[1]]);
                 let other = other.motion(&[c[0], c[1], d[0], d[1]]);
                 [one[0], one[1], other[0], other[1]]

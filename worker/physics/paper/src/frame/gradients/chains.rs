@@ -10,25 +10,26 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::super::element::{Ends, PARTS};
 use super::super::error::FrameError;
-use super::operator::{Operator, dot, slices};
+use super::operator::{Operator, slices};
+use super::scalar::Scalar;
 
 /// What raises the diagonal of bars, as a share of what is left of it.
 const RAISED: f64 = 1e-8;
 
 /// Dᵢ⁻¹ and Lᵢ of a node.
 #[derive(Debug, Clone, Copy)]
-struct Block<const M: usize> {
-    inverse: SMatrix<f64, M, M>,
-    link: SMatrix<f64, M, M>,
+struct Block<T, const M: usize> {
+    inverse: SMatrix<T, M, M>,
+    link: SMatrix<T, M, M>,
 }
 
 /// The factors of all fibres.
 #[derive(Debug)]
-pub(super) struct Chains<const M: usize> {
-    blocks: Vec<Block<M>>,
+pub(super) struct Chains<T, const M: usize> {
+    blocks: Vec<Block<T, M>>,
 }
 
-impl<const M: usize> Chains<M> {
+impl<T: Scalar, const M: usize> Chains<T, M> {
     /// Factors all fibres.
     pub(super) fn new(operator: &Operator<'_, M>, team: &Team) -> Result<Self, FrameError> {
         let none = Block {
@@ -37,15 +38,13 @@ impl<const M: usize> Chains<M> {
         };
         let mut blocks = vec![none; operator.network.fibre_nodes()];
         let network = operator.network;
-        let work = |(fibres, own): (Range<usize>, &mut [Block<M>])| {
+        let work = |(fibres, own): (Range<usize>, &mut [Block<T, M>])| {
             let first = network.nodes_of(fibres.start).start;
+            let mut exact = Vec::new();
             for fibre in fibres {
                 let nodes = network.nodes_of(fibre);
-                factor(
-                    operator,
-                    fibre,
-                    &mut own[nodes.start - first..nodes.end - first],
-                )?;
+                let own = &mut own[nodes.start - first..nodes.end - first];
+                factor_to(operator, fibre, &mut exact, own)?;
             }
             Ok(())
         };
@@ -62,54 +61,27 @@ impl<const M: usize> Chains<M> {
         fibre: usize,
     ) -> Result<(), FrameError> {
         let nodes = operator.network.nodes_of(fibre);
-        factor(operator, fibre, &mut self.blocks[nodes])
+        factor_to(operator, fibre, &mut Vec::new(), &mut self.blocks[nodes])
     }
 
-    /// Adds ω D⁻¹ r to z, fibre by fibre; gives the product of z with `other`.
-    pub(super) fn add(
-        &self,
-        operator: &Operator<'_, M>,
-        team: &Team,
-        share: f64,
-        [right, other]: [&[[f64; M]]; 2],
-        solution: &mut [[f64; M]],
-    ) -> f64 {
-        let network = operator.network;
-        let work = |(fibres, own): (Range<usize>, &mut [[f64; M]])| {
-            let mut sum = 0.0;
-            let first = network.nodes_of(fibres.start).start;
-            let mut moved = Vec::new();
-            for fibre in fibres {
-                let nodes = network.nodes_of(fibre);
-                moved.resize(nodes.len(), [0.0; M]);
-                substitute(
-                    &self.blocks[nodes.clone()],
-                    &right[nodes.clone()],
-                    &mut moved,
-                );
-                let own = &mut own[nodes.start - first..nodes.end - first];
-                for ((own, moved), other) in own.iter_mut().zip(&moved).zip(&other[nodes]) {
-                    for (own, moved) in own.iter_mut().zip(moved) {
-                        *own += share * moved;
-                    }
-                    sum += dot(own, other);
-                }
-            }
-            sum
-        };
-        let pieces = slices(network, operator.pieces(), solution);
-        team.map(pieces, work).into_iter().sum()
+    /// Solves D z = r of the nodes that follow one another on fibres from `start` on.
+    pub(super) fn substitute(&self, start: usize, right: &[[T; M]], own: &mut [[T; M]]) {
+        substitute(&self.blocks[start..start + right.len()], right, own);
     }
 }
 
-fn substitute<const M: usize>(blocks: &[Block<M>], right: &[[f64; M]], own: &mut [[f64; M]]) {
-    let mut before = SVector::<f64, M>::zeros();
+fn substitute<T: Scalar, const M: usize>(
+    blocks: &[Block<T, M>],
+    right: &[[T; M]],
+    own: &mut [[T; M]],
+) {
+    let mut before = SVector::<T, M>::zeros();
     for ((block, right), own) in blocks.iter().zip(right).zip(&mut *own) {
         before = SVector::from(*right) - block.link * before;
         *own = before.into();
     }
-    let mut after = SVector::<f64, M>::zeros();
-    let mut link: Option<&SMatrix<f64, M, M>> = None;
+    let mut after = SVector::<T, M>::zeros();
+    let mut link: Option<&SMatrix<T, M, M>> = None;
     for (block, own) in blocks.iter().zip(own).rev() {
         let mut value = block.inverse * SVector::from(*own);
         if let Some(link) = link {
@@ -121,18 +93,35 @@ fn substitute<const M: usize>(blocks: &[Block<M>], right: &[[f64; M]], own: &mut
     }
 }
 
+/// Factors a fibre in double precision, and rounds.
+fn factor_to<T: Scalar, const M: usize>(
+    operator: &Operator<'_, M>,
+    fibre: usize,
+    exact: &mut Vec<Block<f64, M>>,
+    own: &mut [Block<T, M>],
+) -> Result<(), FrameError> {
+    let none = Block {
+        inverse: SMatrix::zeros(),
+        link: SMatrix::zeros(),
+    };
+    exact.clear();
+    exact.resize(own.len(), none);
+    factor(operator, fibre, exact)?;
+    for (own, exact) in own.iter_mut().zip(exact) {
+        own.inverse = exact.inverse.map(T::of);
+        own.link = exact.link.map(T::of);
+    }
+    Ok(())
+}
+
 fn factor<const M: usize>(
     operator: &Operator<'_, M>,
     fibre: usize,
-    blocks: &mut [Block<M>],
+    blocks: &mut [Block<f64, M>],
 ) -> Result<(), FrameError> {
     let network = operator.network;
     let nodes = network.nodes_of(fibre);
     let first = nodes.start as u32;
-    for block in &mut *blocks {
-        block.inverse = SMatrix::zeros();
-        block.link = SMatrix::zeros();
-    }
     // the blocks of the matrix first, in the places of their factors
     let segment = network.first_segment(fibre);
     for index in segment..segment + nodes.len() - 1 {
@@ -151,10 +140,10 @@ fn factor<const M: usize>(
             }
         }
     }
-    for &(bond, side) in operator.hooks(fibre) {
-        let [force, moment] = operator.bond_stiffness(bond as usize);
+    for point in &operator.points()[operator.places(fibre)] {
+        let [force, moment] = point.stiffness;
         if force > 0.0 {
-            let tie = &operator.ends[bond as usize][side as usize];
+            let tie = &point.tie;
             let at = tie.nodes.map(|node| (node - first) as usize);
             for axis in 0..3 {
                 let mut unit = Vector3::zeros();
@@ -196,7 +185,7 @@ fn factor<const M: usize>(
 }
 
 /// Adds c b bᵀ of two neighbours, or of one node twice named, whose second part then is nil.
-fn add<const M: usize>(blocks: &mut [Block<M>], at: [usize; 2], stiffness: f64, ends: &Ends) {
+fn add<const M: usize>(blocks: &mut [Block<f64, M>], at: [usize; 2], stiffness: f64, ends: &Ends) {
     let of =
         |end: usize| SVector::<f64, M>::from_fn(|motion, _| ends[2 * end + motion / 3][motion % 3]);
     let [own, other] = [of(0), of(1)];

@@ -1,13 +1,13 @@
 //! The stiffness of what is active, applied to a motion of the nodes of fibres.
 //!
-//! First every bond's force and moment, then every fibre: its segments, and what its bonds do to it.
-//! Each fibre writes only to its own nodes, in a fixed order.
+//! First the motion of every bond's two points, then every fibre: its segments, and what its bonds do to it.
+//! Points are in the order of fibres, so that what is read is read in a row, but for the motion of the
+//! other point of a bond. Each fibre writes only to its own nodes, in a fixed order.
 use std::ops::Range;
 
 use loadframe_numerics::Team;
-use nalgebra::Vector3;
+use nalgebra::{RealField, Vector3};
 
-use super::super::element::Ends;
 use super::super::network::Network;
 use super::super::tie::Tie;
 
@@ -24,27 +24,44 @@ pub(super) struct Operator<'n, const M: usize> {
     /// Whether a node of a fibre moves by what acts on it.
     pub(super) is_free: Vec<bool>,
     pub(super) is_active: Vec<bool>,
+    /// The points of bonds, fibre by fibre and along each: those of a fibre are
+    /// `first_point[fibre]..first_point[fibre + 1]`.
+    first_point: Vec<u32>,
+    points: Vec<Point>,
     /// The two points of each bond.
-    pub(super) ends: Vec<[Tie; 2]>,
-    /// Stiffness of bonds against displacement and rotation, the same in all directions.
-    stiffness: Vec<[f64; 2]>,
-    /// Bonds and sides on each fibre: `hooks[first_hook[fibre]..first_hook[fibre + 1]]`.
-    first_hook: Vec<u32>,
-    hooks: Vec<(u32, u8)>,
+    ends: Vec<[u32; 2]>,
     /// Fibres that are one piece of work.
     pieces: Vec<Range<usize>>,
-    /// Force and moment of each bond on its second point.
-    bonds: Vec<[Vector3<f64>; 2]>,
+    /// Displacement and rotation of the points.
+    moved: Vec<[Vector3<f64>; 2]>,
+}
+
+/// One of the two points of a bond.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point {
+    pub(super) tie: Tie,
+    /// The other point of the bond.
+    pub(super) other: u32,
+    /// Number of the point among those of the network.
+    number: u32,
+    /// Stiffness of the bond against displacement and rotation, the same in all directions; 0 when it is not
+    /// active.
+    pub(super) stiffness: [f64; 2],
 }
 
 /// Motion of two nodes.
-pub(super) fn ends_of<const M: usize>(motion: &[[f64; M]], nodes: [u32; 2]) -> Ends {
+#[inline]
+pub(super) fn ends_of<T: RealField + Copy, const M: usize>(
+    motion: &[[T; M]],
+    nodes: [u32; 2],
+) -> [Vector3<T>; 4] {
     let [first, second] = nodes.map(|node| parts(&motion[node as usize]));
     [first[0], first[1], second[0], second[1]]
 }
 
 /// Displacement and rotation of a node.
-pub(super) fn parts<const M: usize>(motion: &[f64; M]) -> [Vector3<f64>; 2] {
+#[inline]
+pub(super) fn parts<T: RealField + Copy, const M: usize>(motion: &[T; M]) -> [Vector3<T>; 2] {
     let mut parts = [Vector3::zeros(); 2];
     for (index, value) in motion.iter().enumerate() {
         parts[index / 3][index % 3] = *value;
@@ -52,7 +69,13 @@ pub(super) fn parts<const M: usize>(motion: &[f64; M]) -> [Vector3<f64>; 2] {
     parts
 }
 
-fn add<const M: usize>(to: &mut [f64; M], force: Vector3<f64>, moment: Vector3<f64>) {
+/// Adds a force and a moment on a node.
+#[inline]
+pub(super) fn add<T: RealField + Copy, const M: usize>(
+    to: &mut [T; M],
+    force: Vector3<T>,
+    moment: Vector3<T>,
+) {
     for (index, value) in to.iter_mut().enumerate() {
         *value += if index < 3 {
             force[index]
@@ -62,59 +85,86 @@ fn add<const M: usize>(to: &mut [f64; M], force: Vector3<f64>, moment: Vector3<f
     }
 }
 
+/// Adds a force and a moment on a point to the nodes of its fibre, whose first is `first`.
+#[inline]
+pub(super) fn add_spread<T: RealField + Copy, const M: usize>(
+    own: &mut [[T; M]],
+    first: u32,
+    tie: &Tie<T>,
+    loads: [Vector3<T>; 2],
+) {
+    let forces = tie.spread(loads);
+    let [at, next] = tie.nodes.map(|node| (node - first) as usize);
+    add(&mut own[at], forces[0], forces[1]);
+    if next != at {
+        add(&mut own[next], forces[2], forces[3]);
+    }
+}
+
 impl<'n, const M: usize> Operator<'n, M> {
     pub(super) fn new(network: &'n Network, is_whole: &[bool]) -> Self {
         let segments = network.segments();
-        let elements = network.elements();
-        let ends: Vec<[Tie; 2]> = (0..network.bonds())
-            .map(|bond| {
-                elements[segments + bond]
-                    .nodes
-                    .map(|point| tie(network, is_whole, point))
-            })
-            .collect();
-        let mut first_hook = vec![0; network.fibres() + 1];
-        for tie in ends.iter().flatten() {
-            first_hook[network.fibre_of(tie.nodes[0]) + 1] += 1;
-        }
-        for fibre in 0..network.fibres() {
-            first_hook[fibre + 1] += first_hook[fibre];
-        }
-        let mut next = first_hook.clone();
-        let mut hooks = vec![(0, 0); 2 * ends.len()];
-        for (bond, ties) in ends.iter().enumerate() {
-            for (side, tie) in ties.iter().enumerate() {
-                let next = &mut next[network.fibre_of(tie.nodes[0])];
-                hooks[*next as usize] = (bond as u32, side as u8);
-                *next += 1;
+        let mut points: Vec<(usize, Point)> = Vec::with_capacity(2 * network.bonds());
+        for element in &network.elements()[segments..] {
+            for number in element.nodes {
+                let tie = tie(network, is_whole, number);
+                let point = Point {
+                    tie,
+                    other: 0,
+                    number,
+                    stiffness: [0.0; 2],
+                };
+                points.push((points.len(), point));
             }
         }
-        // along each fibre, so that its nodes are met in order
-        for fibre in 0..network.fibres() {
-            let own = first_hook[fibre] as usize..first_hook[fibre + 1] as usize;
-            hooks[own].sort_by_key(|&(bond, side)| ends[bond as usize][side as usize].nodes[0]);
+        // nodes are numbered fibre by fibre, so that those of a fibre follow one another
+        points.sort_by_key(|(place, point)| (point.tie.nodes[0], *place));
+        let mut ends = vec![[0; 2]; network.bonds()];
+        for (at, (place, _)) in points.iter().enumerate() {
+            ends[place / 2][place % 2] = at as u32;
         }
+        let points: Vec<Point> = points
+            .into_iter()
+            .map(|(place, point)| Point {
+                other: ends[place / 2][1 - place % 2],
+                ..point
+            })
+            .collect();
+        let first_point = (0..=network.fibres())
+            .map(|fibre| {
+                let node = if fibre < network.fibres() {
+                    network.nodes_of(fibre).start
+                } else {
+                    network.fibre_nodes()
+                };
+                points.partition_point(|point| (point.tie.nodes[0] as usize) < node) as u32
+            })
+            .collect();
         Self {
             network,
             is_free: vec![false; network.fibre_nodes()],
-            is_active: vec![false; elements.len()],
-            stiffness: vec![[0.0; 2]; ends.len()],
-            bonds: vec![[Vector3::zeros(); 2]; ends.len()],
+            is_active: vec![false; network.elements().len()],
+            moved: vec![[Vector3::zeros(); 2]; points.len()],
+            first_point,
+            points,
             ends,
-            first_hook,
-            hooks,
             pieces: pieces(network),
         }
     }
 
-    /// Bonds and sides on a fibre.
-    pub(super) fn hooks(&self, fibre: usize) -> &[(u32, u8)] {
-        &self.hooks[self.first_hook[fibre] as usize..self.first_hook[fibre + 1] as usize]
+    /// Places of the points on a fibre.
+    pub(super) fn places(&self, fibre: usize) -> Range<usize> {
+        self.first_point[fibre] as usize..self.first_point[fibre + 1] as usize
     }
 
-    /// Stiffness of a bond against displacement and rotation; 0 when it is not active.
-    pub(super) fn bond_stiffness(&self, bond: usize) -> [f64; 2] {
-        self.stiffness[bond]
+    /// All points of bonds, those of a fibre after one another.
+    pub(super) fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// How the two points of a bond move with their nodes.
+    pub(super) fn ties(&self, bond: usize) -> [Tie; 2] {
+        self.ends[bond].map(|at| self.points[at as usize].tie)
     }
 
     pub(super) fn pieces(&self) -> &[Range<usize>] {
@@ -126,21 +176,21 @@ impl<'n, const M: usize> Operator<'n, M> {
         self.is_active[element] = is_active;
         if let Some(bond) = element.checked_sub(self.network.segments()) {
             let stiffness = self.network.elements()[element].stiffness;
-            self.stiffness[bond] = if is_active {
-                [stiffness[0], stiffness[3]]
-            } else {
-                [0.0; 2]
-            };
+            for at in self.ends[bond] {
+                self.points[at as usize].stiffness = if is_active {
+                    [stiffness[0], stiffness[3]]
+                } else {
+                    [0.0; 2]
+                };
+            }
         }
     }
 
     /// Ties the points of bonds on a fibre anew, by what is whole of it.
     pub(super) fn tie_again(&mut self, fibre: usize, is_whole: &[bool]) {
-        let own = self.first_hook[fibre] as usize..self.first_hook[fibre + 1] as usize;
-        for &(bond, side) in &self.hooks[own] {
-            let element = &self.network.elements()[self.network.segments() + bond as usize];
-            let point = element.nodes[side as usize];
-            self.ends[bond as usize][side as usize] = tie(self.network, is_whole, point);
+        for at in self.places(fibre) {
+            let point = &mut self.points[at];
+            point.tie = tie(self.network, is_whole, point.number);
         }
     }
 
@@ -180,19 +230,10 @@ impl<'n, const M: usize> Operator<'n, M> {
         forces: &mut [[f64; M]],
         finish: impl Fn(usize, &mut [f64; M]) -> f64 + Sync,
     ) -> f64 {
-        let (ends, stiffness) = (&self.ends, &self.stiffness);
-        team.fill(&mut self.bonds, |start, bonds| {
-            for (bond, of_bond) in (start..).zip(bonds) {
-                let [force, moment] = stiffness[bond];
-                if force > 0.0 {
-                    let [first, second] = ends[bond]
-                        .each_ref()
-                        .map(|tie| tie.motion(&ends_of(motion, tie.nodes)));
-                    *of_bond = [
-                        (second[0] - first[0]) * force,
-                        (second[1] - first[1]) * moment,
-                    ];
-                }
+        let points = &self.points;
+        team.fill(&mut self.moved, |start, moved| {
+            for (point, moved) in points[start..].iter().zip(moved) {
+                *moved = point.tie.motion(&ends_of(motion, point.tie.nodes));
             }
             0.0
         });
@@ -222,7 +263,8 @@ impl<'n, const M: usize> Operator<'n, M> {
         own.fill([0.0; M]);
         let nodes = self.network.nodes_of(fibre);
         let first = nodes.start as u32;
-        let segment = self.network.first_segment(fibre);
+        // each fibre before has a segment less than nodes
+        let segment = nodes.start - fibre;
         for index in segment..segment + nodes.len() - 1 {
             if self.is_active[index] {
                 let element = &self.network.elements()[index];
@@ -233,27 +275,13 @@ impl<'n, const M: usize> Operator<'n, M> {
                 add(&mut own[at + 1], forces[2], forces[3]);
             }
         }
-        for &(bond, side) in self.hooks(fibre) {
-            if self.stiffness[bond as usize][0] > 0.0 {
-                let [force, moment] = self.bonds[bond as usize];
-                let tie = &self.ends[bond as usize][side as usize];
-                let forces = tie.spread(if side == 0 {
-                    [-force, -moment]
-                } else {
-                    [force, moment]
-                });
-                add(
-                    &mut own[(tie.nodes[0] - first) as usize],
-                    forces[0],
-                    forces[1],
-                );
-                if tie.nodes[1] != tie.nodes[0] {
-                    add(
-                        &mut own[(tie.nodes[1] - first) as usize],
-                        forces[2],
-                        forces[3],
-                    );
-                }
+        for at in self.places(fibre) {
+            let point = &self.points[at];
+            let [force, moment] = point.stiffness;
+            if force > 0.0 {
+                let [here, there] = [self.moved[at], self.moved[point.other as usize]];
+                let loads = [(here[0] - there[0]) * force, (here[1] - there[1]) * moment];
+                add_spread(own, first, &point.tie, loads);
             }
         }
     }

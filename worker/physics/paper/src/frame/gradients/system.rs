@@ -12,6 +12,7 @@ use super::super::input::NodeLoad;
 use super::super::network::Network;
 use super::cycle::Cycle;
 use super::operator::{Nodal, Operator, ends_of, parts};
+use super::scalar::Scalar;
 
 /// Iterations before giving up. Some 100 are usual.
 const ITERATIONS: usize = 20_000;
@@ -48,6 +49,8 @@ pub(super) trait System: std::fmt::Debug {
     fn set_flat(&mut self, motions: &[f64]) -> Result<(), FrameError>;
     /// Displacement and rotation of every point, those of bonds between nodes included.
     fn read(&self, points: &mut [[Vector3<f64>; 2]]);
+    /// The same of what the last iterations of the last solution moved.
+    fn read_change(&mut self, points: &mut [[Vector3<f64>; 2]]);
     /// Gives what acts on points of bonds to the nodes that these move with.
     fn spread(&self, points: &mut [[Vector3<f64>; 2]]);
     /// Unknowns of the bodies, and the numbers that their factor stores.
@@ -55,16 +58,17 @@ pub(super) trait System: std::fmt::Debug {
 }
 
 #[derive(Debug)]
-pub(super) struct Equations<'n, const M: usize> {
+pub(super) struct Equations<'n, T, const M: usize> {
     operator: Operator<'n, M>,
-    cycle: Cycle<M>,
+    cycle: Cycle<T, M>,
     vectors: Gradients<M>,
     motion: Nodal<M>,
+    changes: Nodal<M>,
     loads: Nodal<M>,
     team: Arc<Team>,
 }
 
-impl<'n, const M: usize> Equations<'n, M> {
+impl<'n, T: Scalar, const M: usize> Equations<'n, T, M> {
     pub(super) fn new(
         network: &'n Network,
         team: Arc<Team>,
@@ -87,6 +91,7 @@ impl<'n, const M: usize> Equations<'n, M> {
             cycle: Cycle::new(&operator, &team)?,
             vectors: Gradients::new(nodes),
             motion: vec![[0.0; M]; nodes],
+            changes: Vec::with_capacity(nodes),
             loads: Vec::new(),
             operator,
             team,
@@ -98,20 +103,20 @@ impl<'n, const M: usize> Equations<'n, M> {
 }
 
 /// What is active, and what it is preconditioned by.
-struct Active<'a, 'n, const M: usize> {
+struct Active<'a, 'n, T, const M: usize> {
     operator: &'a mut Operator<'n, M>,
-    cycle: &'a mut Cycle<M>,
+    cycle: &'a mut Cycle<T, M>,
     team: &'a Team,
 }
 
-impl<const M: usize> Preconditioned<M> for Active<'_, '_, M> {
+impl<T: Scalar, const M: usize> Preconditioned<M> for Active<'_, '_, T, M> {
     fn apply(&mut self, motion: &[[f64; M]], forces: &mut [[f64; M]]) -> f64 {
         self.operator.apply(self.team, motion, forces)
     }
 
     fn precondition(&mut self, residual: &[[f64; M]], corrected: &mut [[f64; M]]) -> f64 {
-        let operator = &mut *self.operator;
-        self.cycle.solve(operator, self.team, residual, corrected)
+        self.cycle
+            .solve(self.operator, self.team, residual, corrected)
     }
 }
 
@@ -119,7 +124,7 @@ fn nodal<const M: usize>(motion: &[Vector3<f64>; 2]) -> [f64; M] {
     std::array::from_fn(|index| motion[index / 3][index % 3])
 }
 
-impl<const M: usize> System for Equations<'_, M> {
+impl<T: Scalar, const M: usize> System for Equations<'_, T, M> {
     fn change(
         &mut self,
         to: &Activity,
@@ -142,7 +147,7 @@ impl<const M: usize> System for Equations<'_, M> {
                 match element.checked_sub(segments) {
                     None => fibres.push(network.segment_fibre(element)),
                     Some(bond) => {
-                        let ends = &self.operator.ends[bond];
+                        let ends = self.operator.ties(bond);
                         fibres.extend(ends.iter().map(|tie| network.fibre_of(tie.nodes[0])));
                     }
                 }
@@ -174,6 +179,7 @@ impl<const M: usize> System for Equations<'_, M> {
             motion,
             loads,
             team,
+            ..
         } = self;
         team.gather(|| {
             operator.lack(team, motion, loads, &mut vectors.residual);
@@ -216,25 +222,23 @@ impl<const M: usize> System for Equations<'_, M> {
     }
 
     fn read(&self, points: &mut [[Vector3<f64>; 2]]) {
-        let network = self.operator.network;
-        let nodes = network.fibre_nodes();
-        for (point, motion) in points.iter_mut().zip(&self.motion) {
-            *point = parts(motion);
-        }
-        for (bond, ties) in self.operator.ends.iter().enumerate() {
-            let element = &network.elements()[network.segments() + bond];
-            for (tie, point) in ties.iter().zip(element.nodes) {
-                if point as usize >= nodes {
-                    points[point as usize] = tie.motion(&ends_of(&self.motion, tie.nodes));
-                }
-            }
-        }
+        read(&self.operator, &self.motion, points);
+    }
+
+    fn read_change(&mut self, points: &mut [[Vector3<f64>; 2]]) {
+        let moved = self.motion.iter().zip(self.vectors.earlier());
+        self.changes.clear();
+        self.changes.extend(
+            moved.map(|(now, earlier)| std::array::from_fn(|motion| now[motion] - earlier[motion])),
+        );
+        read(&self.operator, &self.changes, points);
     }
 
     fn spread(&self, points: &mut [[Vector3<f64>; 2]]) {
         let network = self.operator.network;
         let nodes = network.fibre_nodes();
-        for (bond, ties) in self.operator.ends.iter().enumerate() {
+        for bond in 0..network.bonds() {
+            let ties = self.operator.ties(bond);
             let element = &network.elements()[network.segments() + bond];
             for (tie, point) in ties.iter().zip(element.nodes) {
                 if point as usize >= nodes {
@@ -250,5 +254,25 @@ impl<const M: usize> System for Equations<'_, M> {
 
     fn bodies(&self) -> [usize; 2] {
         self.cycle.size()
+    }
+}
+
+/// Displacement and rotation of every point that a motion of the nodes leads to.
+fn read<const M: usize>(
+    operator: &Operator<'_, M>,
+    motion: &[[f64; M]],
+    points: &mut [[Vector3<f64>; 2]],
+) {
+    let network = operator.network;
+    for (point, motion) in points.iter_mut().zip(motion) {
+        *point = parts(motion);
+    }
+    for bond in 0..network.bonds() {
+        let element = &network.elements()[network.segments() + bond];
+        for (tie, point) in operator.ties(bond).iter().zip(element.nodes) {
+            if point as usize >= network.fibre_nodes() {
+                points[point as usize] = tie.motion(&ends_of(motion, tie.nodes));
+            }
+        }
     }
 }

@@ -67,7 +67,7 @@ fn the_cycle_is_symmetric_and_takes_from_every_error_also_with_an_older_factor_o
     for attachment in [Attachment::Node, Attachment::Inside] {
         let network = lattice(6, 10.0, attachment);
         let mut operator = operator(&network);
-        let mut cycle = Cycle::new(&operator, &team).unwrap();
+        let mut cycle = Cycle::<f64, 6>::new(&operator, &team).unwrap();
         for broken in [0, network.bonds() / 3] {
             for bond in (0..network.bonds()).step_by(3).take(broken) {
                 operator.set_active(network.segments() + bond, false);

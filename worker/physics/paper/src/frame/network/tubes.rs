@@ -134,6 +134,7 @@ impl Network {
                 has_bonds,
             }),
             owners,
+            joined: bonds.iter().map(|bond| bond.fibres).collect(),
             void: void(bonds),
             standing: Vec::new(),
         };

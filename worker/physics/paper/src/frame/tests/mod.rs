@@ -65,4 +65,5 @@ mod large;
 mod moving;
 mod refusals;
 mod sheets;
+mod together;
 mod tubes;

@@ -7,6 +7,7 @@ use super::super::pull::PullTest;
 use super::super::pulling::Pulling;
 use super::super::state::{Peak, PullCost, PullState, Yielded};
 use super::super::survey::breaks_at;
+use super::super::together::together;
 use super::reach::{until_break, until_yield};
 use super::relax::{changes, relax};
 use super::strained::Strained;
@@ -236,24 +237,27 @@ impl<'n> YieldingPull<'n> {
         (NOTHING * self.state.measures.peak_force_mn).max(f64::MIN_POSITIVE)
     }
 
-    /// What has the largest failure index, and all within the precision of it, the most loaded first;
-    /// with the largest index over 1.
+    /// The largest failure index, and what breaks with one solution, the most loaded first.
     pub(super) fn loaded(&self) -> (f64, Vec<usize>) {
         let network = self.network();
         let indices = (0..network.elements().len()).filter_map(|element| {
             let is_stretched = self.rate.is_stretched(element);
             let index = || 1.0 / breaks_at(network, element, &self.strained.loads(element));
-            is_stretched.then(|| (index(), element))
+            is_stretched.then(|| (element, index()))
         });
-        let mut indices: Vec<(f64, usize)> = indices.collect();
-        indices.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let Some(&(largest, most)) = indices.first() else {
+        let indices: Vec<(usize, f64)> = indices.collect();
+        let mut largest: Option<(usize, f64)> = None;
+        for &(element, index) in &indices {
+            // the first of equals stays
+            if largest.is_none_or(|(_, most)| index > most) {
+                largest = Some((element, index));
+            }
+        }
+        let Some((most, largest)) = largest else {
             return (0.0, Vec::new());
         };
-        let least = largest * (1.0 - self.test.break_precision);
-        let together = indices.iter().take_while(|(index, _)| *index >= least);
         let elements = if self.test.break_precision > 0.0 {
-            together.map(|(_, element)| *element).collect()
+            together(network, &indices, self.test.break_precision)
         } else {
             vec![most]
         };

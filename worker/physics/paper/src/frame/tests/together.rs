@@ -1,0 +1,99 @@
+//! Breaks of one solution beside breaks one by one.
+use super::super::together::together;
+use super::*;
+
+/// Round-off of a direct solution of some hundred unknowns.
+const ROUND_OFF: f64 = 1e-9;
+const PRECISION: f64 = 0.05;
+
+/// Lap joints side by side, each with two bonds of these shear strengths [mN].
+fn joints(strengths: &[[f64; 2]]) -> Network {
+    let mut fibres = Vec::new();
+    let mut bonds = Vec::new();
+    for (row, strengths) in strengths.iter().enumerate() {
+        let (y, first) = (100.0 * row as f64, 2 * row as u32);
+        fibres.push(fibre(&[[0.0, y, 0.0], [120.0, y, 0.0]]));
+        fibres.push(fibre(&[[40.0, y, 0.0], [160.0, y, 0.0]]));
+        for (x, strength) in [50.0, 110.0].into_iter().zip(*strengths) {
+            bonds.push(FrameBond {
+                shear_strength_mn: Some(strength),
+                ..bond([first, first + 1], [x, x - 40.0])
+            });
+        }
+    }
+    Network::new(&fibres, &bonds, model(Level::Beam, 160.0)).unwrap()
+}
+
+/// The bonds that break with each solution, and what was measured.
+fn pulled(network: &Network, break_precision: f64) -> (Vec<Vec<usize>>, PullMeasures) {
+    let test = PullTest {
+        max_strain: 0.5,
+        stop_force_fraction: 0.0,
+        break_precision,
+    };
+    let mut pull = Pull::new(network, test).unwrap();
+    let mut rounds = Vec::new();
+    while let Step::Broke(events) = pull.advance().unwrap() {
+        let bonds = events.iter().map(|event| match event.broken {
+            Broken::Bond(bond) => bond,
+            Broken::Segment(segment) => panic!("segment {segment} broke"),
+        });
+        // equally loaded ones come in the order of round-off
+        let mut bonds: Vec<usize> = bonds.collect();
+        bonds.sort_unstable();
+        rounds.push(bonds);
+    }
+    (rounds, pull.state().measures)
+}
+
+#[test]
+fn what_has_no_fibre_in_common_breaks_in_one_round_to_the_same_curve() {
+    // the bonds of a joint share its force evenly: when the first has gone, the second bears nearly twice as
+    // much, of 1.2 and 1.5 times the strength: overloaded by about 1.6 and 1.3
+    let network = joints(&[[1.0, 1.2], [1.0, 1.5], [6.0, 6.0]]);
+    let (one_by_one, exact) = pulled(&network, 0.0);
+    assert_eq!(one_by_one.len(), 6);
+    let (rounds, measures) = pulled(&network, PRECISION);
+    assert_eq!(rounds[..2], [vec![0, 2], vec![1, 3]]);
+    for (found, expected) in [
+        (measures.peak_force_mn, exact.peak_force_mn),
+        (measures.strain_at_peak, exact.strain_at_peak),
+        (measures.work_to_peak_nj, exact.work_to_peak_nj),
+        (measures.work_nj, exact.work_nj),
+        (measures.released_nj, exact.released_nj),
+    ] {
+        close(found, expected, ROUND_OFF);
+    }
+}
+
+#[test]
+fn what_shares_a_fibre_with_something_more_overloaded_waits() {
+    // all five are overloaded once the outermost have gone, and go in pairs from outside
+    let fibres = [
+        fibre(&[[0.0; 3], [150.0, 0.0, 0.0]]),
+        fibre(&[[50.0, 0.0, 0.0], [200.0, 0.0, 0.0]]),
+    ];
+    let bonds = [60.0, 80.0, 100.0, 120.0, 140.0].map(|x| FrameBond {
+        shear_strength_mn: Some(1.0),
+        stiffness_mn_per_um3: 1.0,
+        ..bond([0, 1], [x, x - 50.0])
+    });
+    let network = Network::new(&fibres, &bonds, model(Level::Beam, 200.0)).unwrap();
+    let (rounds, _) = pulled(&network, PRECISION);
+    assert_eq!(rounds, [vec![0, 4], vec![1, 3], vec![2]]);
+}
+
+#[test]
+fn parts_wait_by_fibres_and_by_the_precision() {
+    let network = joints(&[[1.0; 2]; 3]);
+    let bond = |bond: usize| network.segments() + bond;
+    let broken = |indices: [f64; 6]| -> Vec<usize> {
+        let indices: Vec<(usize, f64)> = (0..6).map(|at| (bond(at), indices[at])).collect();
+        let parts = together(&network, &indices, PRECISION);
+        parts.iter().map(|part| part - bond(0)).collect()
+    };
+    // nothing is over its strength: all that is near it, and no more
+    assert_eq!(broken([1.0, 0.96, 0.94, 0.3, 0.951, 0.0]), [0, 1, 4]);
+    // overloaded: of each joint the more overloaded, and what is within the precision of it
+    assert_eq!(broken([2.0, 1.5, 1.2, 1.15, 0.97, 0.5]), [0, 2, 3, 4]);
+}

@@ -1,0 +1,30 @@
+//! Which parts break with one solution.
+//!
+//! Of all that is at its strength, or short of it by the precision, a part breaks unless one of its fibres
+//! has another that is more overloaded by more than the precision: what a break sets free goes first
+//! to the parts along the fibres that it joined, so that those wait for what it leaves them with. Parts without
+//! a fibre in common do not wait for one another, and a large sheet takes hardly more solutions than a small one.
+//! Where nothing is over its strength no part waits.
+use super::network::Network;
+
+/// Parts that break together, the most loaded first. `indices` are the failure indices of parts: 1 where they break.
+pub(crate) fn together(network: &Network, indices: &[(usize, f64)], precision: f64) -> Vec<usize> {
+    let share = 1.0 - precision;
+    let most = indices.iter().map(|(_, index)| *index).fold(0.0, f64::max);
+    // what breaks first may be a hair below its strength by round-off
+    let least = share * most.min(1.0);
+    let mut breaking: Vec<(usize, f64)> = indices.to_vec();
+    breaking.retain(|(_, index)| *index >= least && *index > 0.0);
+    let mut largest = vec![0.0_f64; network.fibres()];
+    for &(part, index) in &breaking {
+        for fibre in network.fibres_of(part) {
+            largest[fibre] = largest[fibre].max(index);
+        }
+    }
+    breaking.retain(|&(part, index)| {
+        let fibres = network.fibres_of(part);
+        fibres.iter().all(|&fibre| index >= share * largest[fibre])
+    });
+    breaking.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    breaking.into_iter().map(|(part, _)| part).collect()
+}
