@@ -50,16 +50,15 @@ pub(crate) fn show(outcome: &Outcome) {
     ));
 }
 
-/// What ± says of these results; nothing where none has it.
+/// What stands beside these results; nothing where nothing does.
 fn sign_of<'q>(mut results: impl Iterator<Item = &'q Quantity> + Clone) -> Option<&'static str> {
     let mut all = results.clone();
     let has_error = all.any(|quantity| known_error(quantity).is_some());
     match results.any(|quantity| deviation(quantity).is_some()) {
         true if has_error => Some(
-            "± is the standard deviation of repeats, and in brackets the standard error of their mean, all its \
-             parts together; beside other values it is one standard error.",
+            "± is one standard error, all parts together; a deviation is that of single repeats about their mean.",
         ),
-        true => Some("± is the standard deviation of repeats."),
+        true => Some("A deviation is that of single repeats about their mean."),
         false => has_error.then_some("± is one standard error, all parts together."),
     }
 }
@@ -99,19 +98,16 @@ fn result_row(name: &str, quantity: &Quantity) -> [String; 4] {
     [
         words(name),
         quantity.value.map_or("unknown".to_owned(), |value| {
-            let error = known_error(quantity);
+            let error = known_error(quantity).map(|error| format!(" ± {}", rough(error)));
             let scatter = match (deviation(quantity), quantity.interval) {
-                (Some(s), _) => {
-                    let of_mean = error.map(|error| format!(" (± {})", rough(error)));
-                    format!(" ± {}{}", number(s), of_mean.unwrap_or_default())
-                }
+                (Some(s), _) => format!(" (deviation {})", number(s)),
                 // of a fitted value, which is no mean
                 (None, Some([low, high])) if low < high => {
                     format!(" ({} … {})", number(low), number(high))
                 }
-                (None, _) => error.map_or_else(String::new, |error| format!(" ± {}", rough(error))),
+                (None, _) => String::new(),
             };
-            number(value) + &scatter
+            number(value) + &error.unwrap_or_default() + &scatter
         }),
         unit(&quantity.unit),
         match &quantity.reason {
@@ -257,12 +253,10 @@ mod tests {
         assert_eq!(said(&[&plain]), None);
         let error = "± is one standard error, all parts together.";
         assert_eq!(said(&[&plain, &wrong]), Some(error));
-        assert_eq!(
-            said(&[&mean]),
-            Some("± is the standard deviation of repeats.")
-        );
+        let alone = said(&[&mean]).expect("there is one");
+        assert!(alone.contains("deviation") && !alone.contains('±'));
         let both = said(&[&mean, &wrong]).expect("there are two");
-        assert!(both.contains("standard deviation") && both.contains("in brackets"));
+        assert!(both.contains("± is one standard error") && both.contains("deviation"));
     }
 
     #[test]
@@ -281,12 +275,18 @@ mod tests {
             deviation: Some(7.25),
             ..Quantity::new(403.27, "N", "")
         };
-        assert_eq!(result_row("max_force", &repeated)[1], "403.3 ± 7.250");
+        assert_eq!(
+            result_row("max_force", &repeated)[1],
+            "403.3 (deviation 7.250)"
+        );
         let part = ErrorPart::new("grid", 2.345, ErrorBasis::TwoGrids);
         let known = Quantity::new(403.27, "N", "").with_error(vec![part.clone()]);
         assert_eq!(result_row("max_force", &known)[1], "403.3 ± 2.3");
         let both = repeated.with_error(vec![part]);
-        assert_eq!(result_row("max_force", &both)[1], "403.3 ± 7.250 (± 2.3)");
+        assert_eq!(
+            result_row("max_force", &both)[1],
+            "403.3 ± 2.3 (deviation 7.250)"
+        );
         let bad = QualityCheck::at_most(3.0, 1.0, "1", "");
         assert_eq!(
             quality_row("residual_ratio", &bad)[3],

@@ -66,7 +66,7 @@ describe("quantities", () => {
 
   it("shows the scatter of repeats in the unit of the value", () => {
     const shown = showQuantity("strain_at_max_force", { value: 1.13, unit: "1", deviation: 0.0213, n: 5 });
-    expect(plain(shown.scatter ?? "")).toBe("± 2.1");
+    expect([shown.scatter, shown.error]).toEqual(["deviation 2.1 of 5", undefined]);
     const ratio = showQuantity("anisotropy_of_strain_at_max_force", { value: 1.5, unit: "1" });
     expect([ratio.text, ratio.unit, ratio.scatter]).toEqual(["1.500", "", undefined]);
   });
@@ -76,20 +76,25 @@ describe("quantities", () => {
     expect(plain(shown.scatter ?? "")).toBe("0.3800 … 0.4200");
   });
 
-  it("shows how wrong a value may be, and the deviation before that", () => {
+  it("shows how wrong a value may be, of a mean beside the deviation of what it is made of", () => {
     const error = { value: 8.136e-5, parts: [{ source: "grid", value: 8.136e-5, basis: "two_grids" as const }] };
     const shown = showQuantity("mean_top_deflection", { value: 0.052366, unit: "mm", error });
-    expect([shown.scatter, shown.exact]).toEqual(["± 0.000081", "0.052366 mm, standard error 0.00008136"]);
+    expect([shown.error, shown.scatter, shown.exact]).toEqual([
+      "± 0.000081",
+      undefined,
+      "0.052366 mm, standard error 0.00008136",
+    ]);
     const both = showQuantity("deflection", { value: 0.05, unit: "mm", deviation: 0.003, n: 5, error });
-    expect([both.scatter, both.exact]).toEqual([
-      "± 0.003",
+    expect([both.error, both.scatter, both.exact]).toEqual([
+      "± 0.000081",
+      "deviation 0.003 of 5",
       "0.05 mm, mean of 5, standard deviation 0.003, standard error 0.00008136",
     ]);
     const modulus = showQuantity("modulus", { value: 7e7, unit: "Pa", error: { value: 1.234e6, parts: [] } });
-    expect([modulus.text, modulus.scatter]).toEqual(["70", "± 1.2"]);
+    expect([modulus.text, modulus.error]).toEqual(["70", "± 1.2"]);
     const given = showQuantity("max_force", { value: 10, unit: "N", error: { value: 0, parts: [] } });
     const even = showQuantity("modulus", { value: 655.7, unit: "MPa", error: { value: 2e-12, parts: [] } });
-    expect([given.scatter, even.scatter]).toEqual([undefined, undefined]);
+    expect([given.error, even.error]).toEqual([undefined, undefined]);
   });
 
   it("leaves other pure numbers alone and says when a value is unknown", () => {

@@ -38,8 +38,9 @@ export interface Shown {
   unit: string;
   /** The value as it came, for the tooltip. */
   exact: string;
-  /** The standard deviation over repeats, the 95 % interval of a fitted value, or the standard error; of what is
-   * not known, why. */
+  /** The standard error, all parts together: `± 0.02`. */
+  error?: string;
+  /** How far repeats scatter, or the 95 % interval of a fitted value; of what is not known, why. */
   scatter?: string;
 }
 
@@ -55,7 +56,9 @@ export function showQuantity(name: string, quantity: Quantity): Shown {
   const exact = `${value}${own}${mean}${error ? `, standard error ${error.value}` : ""}`;
   const { factor, unit: larger } = unitFor(name, quantity);
   const scatter = scatterOf(quantity, factor);
-  return { text: formatNumber(value / factor), unit: larger, exact, ...(scatter && { scatter }) };
+  const wrong = error && isWrong(quantity) && `± ${formatError(error.value / factor)}`;
+  const text = formatNumber(value / factor);
+  return { text, unit: larger, exact, ...(wrong && { error: wrong }), ...(scatter && { scatter }) };
 }
 
 /** The unit that a result is shown in, and what its value is divided by for that. */
@@ -66,11 +69,10 @@ export function unitFor(name: string, { value, unit }: Quantity): { factor: numb
   return { factor, unit: showUnit(larger) };
 }
 
-/** How far a value may be off, in the unit shown; of several measures the one that was measured. */
-function scatterOf({ value, deviation, interval, n, error }: Quantity, factor: number): string {
-  if (deviation && n) return `± ${formatError(deviation / factor)}`;
-  if (interval) return interval.map((end) => formatNumber(end / factor)).join(" … ");
-  return error && isWrong({ value, error }) ? `± ${formatError(error.value / factor)}` : "";
+/** How far values lie apart, in the unit shown: of repeats their standard deviation, of a fitted value its interval. */
+function scatterOf({ deviation, interval, n }: Quantity, factor: number): string {
+  if (deviation && n) return `deviation ${formatError(deviation / factor)} of ${n}`;
+  return interval ? interval.map((end) => formatNumber(end / factor)).join(" … ") : "";
 }
 
 /** Errors smaller than this part of a value are those of its last digits. */

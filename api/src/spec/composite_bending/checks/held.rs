@@ -21,6 +21,7 @@ pub(super) fn check_held(
     }
     check_load(spec, violations);
     check_borne(spec, supports, violations);
+    check_free(spec, supports, violations);
     check_history(spec, violations);
     check_corners(supports, violations);
     if let Some(motion) = loose(supports) {
@@ -210,6 +211,36 @@ fn check_borne(spec: &CompositeBending, supports: &Supports, violations: &mut Vi
     }
 }
 
+/// A force along an axis along which no particle can move: one cell between two held faces has none but theirs.
+fn check_free(spec: &CompositeBending, supports: &Supports, violations: &mut Violations) {
+    let Some(load) = &spec.test.load else { return };
+    let pairs = [
+        [(Face::Left, &supports.left), (Face::Right, &supports.right)],
+        [(Face::Bottom, &supports.bottom), (Face::Top, &supports.top)],
+    ];
+    let cells = spec.grid().cells;
+    for (across, pair) in pairs.into_iter().enumerate() {
+        let is_held = |axis: usize| pair.iter().all(|(face, held)| held_axes(*face, held)[axis]);
+        let is_borne = |axis: usize| load.force_n[axis] != 0.0 && is_held(axis);
+        if cells[across] < 2 && (is_borne(0) || is_borne(1)) {
+            violations.push(
+                Violation::new(
+                    format!("/grid/cells/{across}"),
+                    "load_on_nothing",
+                    format!(
+                        "the {} and the {} face are held along the force, and one cell between them has no \
+                         particle that could move",
+                        pair[0].0.name(),
+                        pair[1].0.name()
+                    ),
+                )
+                .value(cells[across])
+                .allowed("at least 2 between faces that are held"),
+            );
+        }
+    }
+}
+
 fn check_history(spec: &CompositeBending, violations: &mut Violations) {
     let Some(history) = &spec.test.history else {
         return;
@@ -245,6 +276,10 @@ mod tests {
         let body = JobKind::CompositeBending.examples()[0].body;
         let mut body: Value = serde_json::from_str(body).expect("JSON");
         body["spec"]["test"] = json!({"load": load, "supports": supports});
+        pointers(&body)
+    }
+
+    fn pointers(body: &Value) -> Vec<String> {
         match Submission::from_slice(body.to_string().as_bytes()) {
             Ok(_) => Vec::new(),
             Err(SubmissionError::Invalid(violations)) => violations
@@ -257,8 +292,8 @@ mod tests {
 
     #[test]
     fn a_force_that_a_support_bears_is_refused() {
-        let body = JobKind::CompositeBending.examples()[0].body;
-        let body: Value = serde_json::from_str(body).expect("JSON");
+        let body_text = JobKind::CompositeBending.examples()[0].body;
+        let body: Value = serde_json::from_str(body_text).expect("JSON");
         let side = |name: &str| body["spec"]["section"][name].as_f64().expect("a number");
         let (length, height) = (side("length_mm"), side("height_mm"));
         let sides = json!({"left": "clamped", "right": "clamped"});
@@ -287,6 +322,14 @@ mod tests {
             let load = json!({"force_n": force, "on": on});
             assert_eq!(refused(load.clone(), sides.clone()), expected, "{load}");
         }
+        // nothing can move in one cell between two held faces, and in one across them all can
+        let body = |cells: [u32; 2]| {
+            let mut job: Value = serde_json::from_str(body_text).expect("JSON");
+            job["spec"]["grid"] = json!({"cells": cells});
+            pointers(&job)
+        };
+        assert_eq!(body([1, 7]), ["/spec/grid/cells/0 load_on_nothing"]);
+        assert!(body([2, 1]).is_empty());
         // a face that slides bears what presses on it, and moves with what pulls along it
         let slides = json!({"left": "clamped", "right": "rolling"});
         for (force, expected) in [([0.0, -1.0], vec![]), ([2.0, -1.0], borne(0))] {

@@ -19,7 +19,8 @@ pub(super) enum Comparison {
     /// Half and a quarter of the cells: what converges is followed to its limit.
     Coarser {
         /// Faces of slanted fibres cut the cells of every grid in another way, so that results come
-        /// and go on their way to the limit.
+        /// and go on their way to the limit. Three grids may agree by chance; an eighth of the cells
+        /// tells then how far results still moved before.
         wanders: bool,
     },
     /// None: the paper's lattice has fibres as thick as its cells, whatever they are, and no limit.
@@ -43,15 +44,14 @@ impl Comparison {
         }
     }
 
-    /// The other grids: half and a quarter of the cells along both sides and in contacts, as far as
-    /// there are cells, or graded ones.
+    /// The other grids: half, a quarter and where results wander an eighth of the cells along both sides
+    /// and in contacts, as far as there are cells, or graded ones.
     pub(super) fn grids(self, finest: Fineness) -> Vec<Fineness> {
         match self {
             Self::None => Vec::new(),
-            Self::Coarser { .. } => {
-                let first = halved(finest);
-                let second = first.and_then(halved);
-                first.into_iter().chain(second).collect()
+            Self::Coarser { wanders } => {
+                let coarser = std::iter::successors(halved(finest), |finer| halved(*finer));
+                coarser.take(if wanders { 3 } else { 2 }).collect()
             }
             Self::Graded => {
                 let graded = Fineness {
@@ -108,5 +108,9 @@ mod tests {
         assert_eq!(all[1].grid.graded_cells_per_fibre, Some(1));
         assert_eq!(all[1].contact_cells, 1);
         assert!(steady.grids(fineness([4, 1])).is_empty());
+        let wandering = Comparison::Coarser { wanders: true };
+        let all = wandering.grids(fineness([200, 100]));
+        let cells: Vec<_> = all.iter().map(|one| one.grid.cells).collect();
+        assert_eq!(cells, [[100, 50], [50, 25], [25, 13]]);
     }
 }

@@ -207,9 +207,12 @@ fn a_laminate_peels_apart_at_its_fracture_energy() {
     assert!((between - 1.0).abs() < 1e-12, "{between}");
 }
 
-/// Thin stiff fibres at 45°, 30° and −20° against quadratic finite elements that follow their faces (limits
+/// Thin stiff fibres at 45°, 30°, 20° and 75° against quadratic finite elements that follow their faces (limits
 /// of three nested meshes of CalculiX 2.20, known to 0.1 %, by `tests/composite/beside_ccx`): deflections of
-/// the top and of the bottom [mm], with presets, and with even cells of two and four times their thickness.
+/// the top and of the bottom [mm], with presets, and with even cells of two and four times their thickness. At
+/// 75°, where CalculiX' limit is known to 0.45 % only (0.028 32 mm), what grids of 400 and 800 even cells tend to
+/// by the first order, which finds the others to 0.01 %: there the three grids of `standard` agree to a third of
+/// the error.
 #[test]
 fn fibres_at_an_angle_lie_near_finite_elements_and_within_their_errors() {
     let cases = [
@@ -224,6 +227,10 @@ fn fibres_at_an_angle_lie_near_finite_elements_and_within_their_errors() {
         (
             include_str!("../../../../../tests/composite/cases/slanted_20_top.json"),
             [0.052_138_3, 0.014_446_2],
+        ),
+        (
+            include_str!("../../../../../tests/composite/cases/slanted_75_body.json"),
+            [0.028_307_6, 0.028_307_6],
         ),
     ];
     for (case, truth) in cases {

@@ -11,7 +11,8 @@
 //! ε = t · ε̄ t + g q_t,  g = (t_x y + t_y x) / (a b)   (7)
 //!
 //! and bars store ½ ΔE ∫ ε² over the fibre's area in the cell, the mean strain's part of which the laminate has
-//! already. Of fibres that are thin beside the cells this is the embedded reinforcement of [PhillipsZienkiewicz1976].
+//! already. Of fibres that are thin beside the cells this is embedded reinforcement, which finite
+//! elements integrate along its path through their own field, without unknowns of its own [HartlHandel2002].
 use crate::section::{Band, Polygon};
 use crate::stiffness::{Stiffness, compliance};
 
