@@ -21,6 +21,20 @@ const HEARTBEAT_S: f64 = 1.0;
 const HEARTBEATS_A_LEASE: f64 = 4.0;
 
 row! {
+    /// What there is for a worker that asks.
+    struct Look {
+        /// Jobs wait; whether any is for it is another question.
+        has_jobs: bool,
+        /// Its machine is given none.
+        is_set_aside: bool,
+        /// It asks for the first time.
+        is_new: bool,
+        /// It has a live lease that it never used.
+        has_unused: bool,
+    }
+}
+
+row! {
     /// The job that a worker gets.
     struct ClaimedJob {
         id: Uuid,
@@ -81,10 +95,20 @@ impl Change {
         worker: &ClaimRequest,
         lease: i64,
     ) -> Result<Option<(ClaimedJob, Option<CheckpointInfo>)>> {
-        self.try_restarted(worker).await?;
+        let mut look = self.look(worker).await?;
+        if look.is_set_aside && look.is_new {
+            // somebody may have seen to the machine
+            self.end_pause(worker).await?;
+            look.is_set_aside = false;
+        }
         self.register_worker(worker).await?;
-        let attempt = match self.unused_lease(worker.worker_id, lease).await? {
+        let unused = match look.has_unused {
+            true => self.unused_lease(worker.worker_id, lease).await?,
+            false => None,
+        };
+        let attempt = match unused {
             Some(attempt) => attempt,
+            None if look.is_set_aside || !look.has_jobs => return Ok(None),
             None => match self.next_job(worker).await? {
                 Some(job) => self.start_attempt(worker, &job, lease).await?,
                 None => return Ok(None),
@@ -110,6 +134,25 @@ impl Change {
             None => None,
         };
         Ok(Some((claimed, checkpoint)))
+    }
+
+    /// What there is for a worker, in one statement: most that ask get nothing.
+    async fn look(&mut self, worker: &ClaimRequest) -> Result<Look> {
+        let look = query_as(
+            "SELECT EXISTS (SELECT 1 FROM waiting_lines) AS has_jobs,
+                    EXISTS (SELECT 1 FROM machines WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
+                        AS is_set_aside,
+                    NOT EXISTS (SELECT 1 FROM workers WHERE id = ?1) AS is_new,
+                    EXISTS (SELECT 1 FROM attempts WHERE worker = ?1 AND ended_at IS NULL AND heard = FALSE)
+                        AS has_unused",
+        )
+        .bind(worker.worker_id)
+        .bind(&worker.host)
+        .bind(&worker.name)
+        .bind(self.now.as_millis())
+        .fetch_one(&mut self.connection)
+        .await?;
+        Ok(look)
     }
 
     /// A live lease of the worker that it never used, extended.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::super::Store;
-use super::super::database::{query, query_as, row};
+use super::super::database::{LastStatement, query_as, row};
 use super::super::encoding::json;
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
@@ -51,6 +51,26 @@ pub(in super::super) struct Line {
     object: Option<Uuid>,
     detail: String,
 }
+
+/// Writes lines, given as a JSON array of their columns.
+macro_rules! write_lines {
+    ($end:literal) => {
+        concat!(
+            "INSERT INTO audit (at, who, person, credential, action, object, detail, request, address)
+             SELECT CAST(json_extract(value, '$[0]') AS BIGINT), json_extract(value, '$[1]'),
+                    unhex(json_extract(value, '$[2]')), unhex(json_extract(value, '$[3]')),
+                    json_extract(value, '$[4]'), unhex(json_extract(value, '$[5]')),
+                    json_extract(value, '$[6]'), unhex(json_extract(value, '$[7]')),
+                    json_extract(value, '$[8]')
+             FROM json_each(?1) ORDER BY key",
+            $end
+        )
+    };
+}
+const LINES: LastStatement = LastStatement {
+    alone: write_lines!(""),
+    and_commit: write_lines!("; COMMIT"),
+};
 
 impl Line {
     fn columns(&self) -> impl Serialize + '_ {
@@ -98,26 +118,11 @@ impl Change {
         Ok(())
     }
 
-    /// Writes the lines of a transaction, in their order. In one go, before the commit: every statement is a
+    /// Commits the transaction with its lines, in their order. All in one go, at its end: every statement is a
     /// way to the database and back, for which all commands of the transaction would wait one after the other.
-    pub(in super::super) async fn write_lines(&mut self, lines: &[Line]) -> Result<()> {
-        if lines.is_empty() {
-            return Ok(());
-        }
+    pub(in super::super) async fn commit_with_lines(&mut self, lines: &[Line]) -> Result<()> {
         let columns: Vec<_> = lines.iter().map(Line::columns).collect();
-        query(
-            "INSERT INTO audit (at, who, person, credential, action, object, detail, request, address)
-             SELECT CAST(json_extract(value, '$[0]') AS BIGINT), json_extract(value, '$[1]'),
-                    unhex(json_extract(value, '$[2]')), unhex(json_extract(value, '$[3]')),
-                    json_extract(value, '$[4]'), unhex(json_extract(value, '$[5]')),
-                    json_extract(value, '$[6]'), unhex(json_extract(value, '$[7]')),
-                    json_extract(value, '$[8]')
-             FROM json_each(?) ORDER BY key",
-        )
-        .bind(json(&columns)?)
-        .execute(&mut self.connection)
-        .await?;
-        Ok(())
+        self.connection.commit_with(LINES, json(&columns)?).await
     }
 }
 
