@@ -1,10 +1,13 @@
 //! Handing a job to a worker.
+use std::sync::Arc;
+
 use loadframe_api::JobKind;
 use loadframe_api::worker::{CheckpointInfo, ClaimRequest, Lease};
 use serde_json::value::RawValue;
 use uuid::Uuid;
 
 use super::Store;
+use super::calls::Waiting;
 use super::checkpoints::CheckpointRow;
 use super::clock::millis;
 use super::database::{query_as, query_scalar, row};
@@ -54,6 +57,11 @@ row! {
 }
 
 impl Store {
+    /// Takes a place among the workers that wait for a job at this server.
+    pub fn wait_in_line(&self, request: &ClaimRequest) -> Waiting {
+        Waiting::among(Arc::clone(&self.0.calls), self.queued(), request)
+    }
+
     /// The next job for this worker, if one is waiting now that fits it: see [`super::choice`]. A lease that was handed to this worker and never used is handed
     /// out again: the answer to the first claim must have been lost.
     ///

@@ -317,7 +317,7 @@ async fn commit(
     }
     match effects.lines.is_empty() {
         true => change.connection.commit().await?,
-        false => change.commit_with_lines(&effects.lines).await?,
+        false => Line::commit(&effects.lines, &mut change.connection).await?,
     }
     Ok(effects)
 }
