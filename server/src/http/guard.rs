@@ -97,7 +97,10 @@ fn count(state: &AppState, caller: Option<&Caller>, trace: &Trace) -> Result<()>
         Sender::Credential(_) | Sender::Workers | Sender::Owner => ("token", "with this token"),
     };
     metrics::counter!("loadframe_requests_refused_total", "of" => of).increment(1);
-    let detail = format!("more than {} requests a second come {whose}", pace.per_s());
+    let detail = format!(
+        "requests {whose} come faster than {} a second",
+        pace.per_s()
+    );
     Err(ApiError::later(TOO_MANY_REQUESTS, detail, seconds(wait)))
 }
 
