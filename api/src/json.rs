@@ -1,6 +1,7 @@
 //! JSON, read so that every error keeps its place and no key is given twice.
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::map::Entry;
 use serde_json::{Map, Number, Value};
 
 use crate::SubmissionError;
@@ -30,16 +31,25 @@ fn values(text: &[u8]) -> usize {
 /// Doubled keys that are listed before it is left at those.
 const LISTED: usize = 20;
 
-/// The value of a text.
+/// Refuses a body that would take too much memory once read.
 ///
 /// # Errors
-/// When it is not JSON, or an object in it has a key more than once.
-pub(crate) fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
+/// When it holds more than [`MOST_VALUES`].
+pub(crate) fn check_size(body: &[u8]) -> Result<(), SubmissionError> {
     if body.len() > MOST_VALUES && values(body) > MOST_VALUES {
         let violation = Violation::new("", "too_large", "the body holds too many values")
             .allowed(format!("at most {MOST_VALUES} values"));
         return Err(SubmissionError::Invalid(vec![violation]));
     }
+    Ok(())
+}
+
+/// The value of a text.
+///
+/// # Errors
+/// When it is not JSON, or an object in it has a key more than once.
+pub(crate) fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
+    check_size(body)?;
     if let Some(other) = signature::of(body) {
         let violation = Violation::new("", "syntax", format!("this is no JSON text: it {other}"));
         let violation = violation.allowed("JSON (RFC 8259) in UTF-8 without a byte-order mark");
@@ -47,16 +57,14 @@ pub(crate) fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
     }
     let mut doubled = Vec::new();
     let mut reader = serde_json::Deserializer::from_slice(body);
-    let mut track = serde_path_to_error::Track::new();
-    let within = serde_path_to_error::Deserializer::new(&mut reader, &mut track);
     let unique = Unique {
-        path: &mut String::new(),
+        place: &Place::Body,
         doubled: &mut doubled,
     };
-    let value = match unique.deserialize(within) {
-        Ok(value) => value,
-        Err(error) => return Err(syntax(pointer(&track.path()), &error)),
-    };
+    let value = unique.deserialize(&mut reader).map_err(|error| {
+        // where it is broken is looked for in those that are, so that the others are read quickly
+        syntax(place_of_error(body), &error)
+    })?;
     reader
         .end()
         .map_err(|error| syntax(String::new(), &error))?;
@@ -67,27 +75,42 @@ pub(crate) fn parse(body: &[u8]) -> Result<Value, SubmissionError> {
     }
 }
 
+/// The pointer of the value at which a text is no JSON.
+fn place_of_error(body: &[u8]) -> String {
+    let mut reader = serde_json::Deserializer::from_slice(body);
+    let mut track = serde_path_to_error::Track::new();
+    let unique = Unique {
+        place: &Place::Body,
+        doubled: &mut Vec::new(),
+    };
+    let within = serde_path_to_error::Deserializer::new(&mut reader, &mut track);
+    // it fails here as it failed before
+    let _ = unique.deserialize(within);
+    pointer(&track.path())
+}
+
+/// Where a value stands: what is around it, and its index or key therein.
+enum Place<'a> {
+    Body,
+    Entry(&'a Place<'a>, usize),
+    Field(&'a Place<'a>, &'a str),
+}
+
+impl Place<'_> {
+    fn pointer(&self) -> String {
+        match self {
+            Self::Body => String::new(),
+            Self::Entry(around, index) => format!("{}/{index}", around.pointer()),
+            Self::Field(around, key) => format!("{}/{}", around.pointer(), escape(key)),
+        }
+    }
+}
+
 /// Reads a value and notes the keys that an object has more than once, of which JSON readers keep the
 /// last without a word.
 struct Unique<'a> {
-    /// Pointer of the value.
-    path: &'a mut String,
+    place: &'a Place<'a>,
     doubled: &'a mut Vec<Violation>,
-}
-
-impl Unique<'_> {
-    /// For what stands at a key or index of this.
-    fn below<T>(&mut self, name: &str, read: impl FnOnce(Unique<'_>) -> T) -> T {
-        let length = self.path.len();
-        self.path.push('/');
-        self.path.push_str(&escape(name));
-        let found = read(Unique {
-            path: self.path,
-            doubled: self.doubled,
-        });
-        self.path.truncate(length);
-        found
-    }
 }
 
 impl<'de> DeserializeSeed<'de> for Unique<'_> {
@@ -133,31 +156,42 @@ impl<'de> Visitor<'de> for Unique<'_> {
         Ok(Value::String(value))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(mut self, mut entries: A) -> Result<Value, A::Error> {
+    fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
         let mut list = Vec::new();
-        while let Some(entry) = {
-            let index = list.len().to_string();
-            self.below(&index, |below| entries.next_element_seed(below))?
-        } {
+        while let Some(entry) = entries.next_element_seed(Unique {
+            place: &Place::Entry(self.place, list.len()),
+            doubled: self.doubled,
+        })? {
             list.push(entry);
         }
         Ok(Value::Array(list))
     }
 
-    fn visit_map<A: MapAccess<'de>>(mut self, mut entries: A) -> Result<Value, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
         let mut fields = Map::new();
         while let Some(key) = entries.next_key::<String>()? {
-            let value = self.below(&key, |below| entries.next_value_seed(below))?;
-            if fields.contains_key(&key) && self.doubled.len() < LISTED {
-                let detail = format!("duplicate field `{key}`");
-                let violation = Violation::new(self.path.as_str(), "duplicate_field", detail);
-                let violation = violation.value(key.as_str()).allowed("every key once");
-                self.doubled.push(violation);
+            let value = entries.next_value_seed(Unique {
+                place: &Place::Field(self.place, &key),
+                doubled: self.doubled,
+            })?;
+            match fields.entry(key) {
+                Entry::Vacant(field) => _ = field.insert(value),
+                Entry::Occupied(mut field) => {
+                    if self.doubled.len() < LISTED {
+                        self.doubled.push(doubled(self.place, field.key()));
+                    }
+                    field.insert(value);
+                }
             }
-            fields.insert(key, value);
         }
         Ok(Value::Object(fields))
     }
+}
+
+fn doubled(place: &Place<'_>, key: &str) -> Violation {
+    let detail = format!("duplicate field `{key}`");
+    let violation = Violation::new(place.pointer(), "duplicate_field", detail);
+    violation.value(key).allowed("every key once")
 }
 
 fn syntax(pointer: String, error: &serde_json::Error) -> SubmissionError {

@@ -166,6 +166,8 @@ pub struct ProgressReport {
 
 /// Columns that a curve may have.
 pub const MOST_CURVE_COLUMNS: usize = 200;
+/// Points that a report may bring.
+pub const MOST_CURVE_POINTS: usize = 10_000;
 
 /// Consecutive points of a curve.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -175,7 +177,7 @@ pub struct CurveBlock {
     pub columns: Vec<String>,
     /// Index of the first point; a block may repeat points already sent, never leave a gap.
     pub first: u64,
-    #[schemars(length(max = 10_000))]
+    #[schemars(length(max = MOST_CURVE_POINTS))]
     pub rows: Vec<Vec<f64>>,
 }
 

@@ -49,6 +49,8 @@ pub struct ServeConfig {
     pub allowed_hosts: Vec<String>,
     /// How many connections there may be, and how long clients may take.
     pub connections: ConnectionLimits,
+    /// Requests a second of one token, or of one address without one, on average over two seconds.
+    pub requests_per_s: u32,
     /// The certificate under which the server speaks TLS; without it, plain HTTP.
     pub tls: Option<TlsFiles>,
 }
@@ -64,6 +66,10 @@ impl ServeConfig {
         memory_mb: 8_000.0,
         disk_mb: 20_000.0,
     };
+
+    /// What two hundred workers that share a token ask, with short jobs; more than a small machine answers, and
+    /// less than keeps others from a large one.
+    pub const DEFAULT_REQUESTS_PER_S: u32 = 5_000;
 
     /// A server on this machine alone, with its data in `data`.
     pub fn new(data: impl Into<PathBuf>) -> Self {
@@ -82,6 +88,7 @@ impl ServeConfig {
             preview_time: PREVIEW_TIME,
             allowed_hosts: Vec::new(),
             connections: ConnectionLimits::default(),
+            requests_per_s: Self::DEFAULT_REQUESTS_PER_S,
             tls: None,
         }
     }

@@ -11,6 +11,7 @@
 mod caller;
 mod guesses;
 mod object;
+mod pace;
 pub mod password;
 mod rule;
 mod sight;
@@ -18,5 +19,6 @@ mod sight;
 pub use caller::{Caller, Credential, Identity, Link, Person};
 pub use guesses::Guesses;
 pub use object::{ComparisonFacts, DeletedFacts, JobFacts, ProjectFacts};
+pub use pace::Pace;
 pub use rule::{Action, Object, Verdict, may};
 pub use sight::{Sight, Whose};

@@ -82,6 +82,9 @@ pub(crate) struct ServerOptions {
     /// Most connections at once, half of which one address may have
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u16).range(2..))]
     connections: u16,
+    /// Most requests a second of one token, or of one address without one; twice as many may come at once
+    #[arg(long, value_name = "N", default_value_t = ServeConfig::DEFAULT_REQUESTS_PER_S, value_parser = clap::value_parser!(u32).range(1..))]
+    requests_per_s: u32,
 }
 
 #[derive(Debug, Args)]
@@ -150,6 +153,7 @@ impl ServerOptions {
             preview_time: loadframe_server::config::PREVIEW_TIME,
             allowed_hosts: self.allowed_hosts.clone(),
             connections: ConnectionLimits::with_places(self.connections.into()),
+            requests_per_s: self.requests_per_s,
             tls: None,
         })
     }

@@ -18,4 +18,5 @@ mod tls;
 
 pub use limits::ConnectionLimits;
 pub use listen::Listening;
+pub(crate) use places::client;
 pub use tls::{Tls, TlsError, TlsFiles};

@@ -17,7 +17,8 @@ use uuid::Uuid;
 
 use super::origin::Names;
 use crate::ServeConfig;
-use crate::access::Guesses;
+use crate::access::{Caller, Credential, Guesses, Identity, Pace};
+use crate::connections::client;
 use crate::single_sign_on::SingleSignOn;
 
 /// What a link's secret begins with.
@@ -33,6 +34,36 @@ const VISIT: Duration = Duration::from_secs(3600);
 /// Visits remembered; beyond it the old ones are forgotten.
 const VISITS: usize = 10_000;
 
+/// Whose requests are counted together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Sender {
+    /// All that come with one token or session, from wherever: many workers may be behind one address.
+    Credential(Uuid),
+    /// Those that come with the secrets that the server was started with.
+    Workers,
+    Owner,
+    /// Nobody's, and visitors of links, by their address (of IPv6, its network).
+    Address(IpAddr),
+}
+
+impl Sender {
+    /// Who sent a request, if that can be told.
+    pub(super) fn of(caller: Option<&Caller>, address: Option<IpAddr>) -> Option<Self> {
+        let by_address = || address.map(|address| Self::Address(client(address)));
+        let Some(caller) = caller else {
+            return by_address();
+        };
+        match (caller.credential, &caller.identity) {
+            (Credential::Token(id) | Credential::Session(id) | Credential::Proxy(id), _) => {
+                Some(Self::Credential(id))
+            }
+            (Credential::Local, Identity::Worker) => Some(Self::Workers),
+            (Credential::Local, _) => Some(Self::Owner),
+            (Credential::Link(_), _) => by_address(),
+        }
+    }
+}
+
 /// How callers are known.
 #[derive(Debug)]
 pub(crate) struct Access {
@@ -47,6 +78,8 @@ pub(crate) struct Access {
     pub(super) wrong_tokens: Guesses<IpAddr>,
     pub(super) wrong_passwords: Guesses<Option<IpAddr>>,
     pub(super) wrong_for_account: Guesses<String>,
+    /// Requests, by who sends them.
+    pub(super) pace: Pace<Sender>,
     pub(super) single_sign_on: Option<Arc<SingleSignOn>>,
     pub(super) hashing: Arc<Semaphore>,
     visits: Mutex<HashMap<(Uuid, Option<IpAddr>), Instant>>,
@@ -65,6 +98,7 @@ impl Access {
             wrong_tokens: Guesses::default(),
             wrong_passwords: Guesses::default(),
             wrong_for_account: Guesses::default(),
+            pace: Pace::new(config.requests_per_s),
             single_sign_on: config.single_sign_on.clone(),
             hashing: Arc::new(Semaphore::new(HASHES_AT_ONCE)),
             visits: Mutex::default(),

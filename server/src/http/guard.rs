@@ -10,12 +10,15 @@ use axum::middleware::Next;
 use axum::response::Response;
 use uuid::Uuid;
 
-use super::access::is_guarded;
+use super::access::{Sender, is_guarded};
 use super::identify::{Given, identify, note_visit};
 use super::origin::is_safe;
 use super::permit::{Call, Trace};
-use super::problem::{ApiError, FORBIDDEN, Result, SIGN_IN_NEEDED, TOKEN_NEEDED, TOO_MANY_GUESSES};
+use super::problem::{
+    ApiError, FORBIDDEN, Result, SIGN_IN_NEEDED, TOKEN_NEEDED, TOO_MANY_GUESSES, TOO_MANY_REQUESTS,
+};
 use super::state::AppState;
+use crate::access::Caller;
 
 /// How long every further guess takes.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -55,6 +58,7 @@ pub(super) async fn guard(
         }
         let path = request.uri().path();
         let is_open = |(method, of): &(Method, &str)| method == request.method() && *of == path;
+        count(&state, caller.as_ref(), &trace)?;
         match caller {
             Some(caller) => {
                 note_visit(&state, &caller, &trace).await;
@@ -64,6 +68,8 @@ pub(super) async fn guard(
             None if BEFORE_SIGN_IN.iter().any(is_open) => {}
             None => return Err(refuse(&state, &given, &trace).await),
         }
+    } else {
+        count(&state, None, &trace)?;
     }
     request.extensions_mut().insert(trace);
     let mut response = next.run(request).await;
@@ -72,6 +78,35 @@ pub(super) async fn guard(
         response.headers_mut().insert("x-request-id", id);
     }
     Ok(response)
+}
+
+/// Counts a request with those of its sender.
+///
+/// # Errors
+/// 429 when they are too many a second.
+fn count(state: &AppState, caller: Option<&Caller>, trace: &Trace) -> Result<()> {
+    let Some(sender) = Sender::of(caller, trace.address) else {
+        return Ok(());
+    };
+    let pace = &state.access.pace;
+    let Err(wait) = pace.take(sender, Instant::now()) else {
+        return Ok(());
+    };
+    let (of, whose) = match sender {
+        Sender::Address(_) => ("address", "from your address"),
+        Sender::Credential(_) | Sender::Workers | Sender::Owner => ("token", "with this token"),
+    };
+    metrics::counter!("loadframe_requests_refused_total", "of" => of).increment(1);
+    let detail = format!(
+        "requests {whose} come faster than {} a second",
+        pace.per_s()
+    );
+    Err(ApiError::later(TOO_MANY_REQUESTS, detail, seconds(wait)))
+}
+
+/// Whole seconds to wait.
+fn seconds(wait: Duration) -> u32 {
+    u32::try_from(wait.as_secs() + 1).unwrap_or(u32::MAX)
 }
 
 /// What to say to somebody who is nobody.
@@ -120,6 +155,5 @@ async fn refuse(state: &AppState, given: &Given, trace: &Trace) -> ApiError {
 
 /// 429: the guesses were too many.
 pub(super) fn too_many(detail: &str, wait: Duration) -> ApiError {
-    let seconds = u32::try_from(wait.as_secs() + 1).unwrap_or(u32::MAX);
-    ApiError::later(TOO_MANY_GUESSES, detail, seconds)
+    ApiError::later(TOO_MANY_GUESSES, detail, seconds(wait))
 }

@@ -61,6 +61,10 @@ fn describe() {
         "loadframe_connections_ended_total",
         "Connections ended because their client was slow, was displaced by another, or found no place"
     );
+    counter!(
+        "loadframe_requests_refused_total",
+        "Requests refused because too many a second came with one token or from one address"
+    );
     gauge!("loadframe_jobs", "Jobs by status, finished ones by outcome");
     gauge!(
         "loadframe_queue_age_seconds",

@@ -53,7 +53,7 @@ problem_kinds! {
     INVALID_JOB = 422, "invalid-job", "The job cannot be accepted";
     INVALID = 422, "invalid-request", "The request cannot be accepted";
     KEY_REUSED = 422, "idempotency-key-reused", "The Idempotency-Key was used before";
-    TOO_MANY_REQUESTS = 429, "too-many-requests", "Too many requests at once";
+    TOO_MANY_REQUESTS = 429, "too-many-requests", "Too many requests";
     TOO_MANY_GUESSES = 429, "too-many-guesses", "Too many wrong tokens or passwords";
     INTERNAL = 500, "internal", "The server failed";
     FILE_LOST = 500, "file-lost", "A stored file is lost";

@@ -14,7 +14,6 @@ use loadframe_api::JobKind;
 use loadframe_api::worker::ClaimRequest;
 use tokio::sync::{Notify, watch};
 
-use super::Store;
 use super::database::{Pool, query_as, row};
 use super::encoding::variant;
 use super::error::Result;
@@ -64,10 +63,13 @@ pub struct Waiting {
     answers: bool,
 }
 
-impl Store {
-    /// Takes a place among the workers that wait for a job at this server.
-    pub fn wait_in_line(&self, request: &ClaimRequest) -> Waiting {
-        let (calls, queued) = (Arc::clone(&self.0.calls), self.queued());
+impl Waiting {
+    /// A place for the worker of `request`, where `queued` counts how often jobs came.
+    pub(super) fn among(
+        calls: Arc<Calls>,
+        queued: watch::Receiver<u64>,
+        request: &ClaimRequest,
+    ) -> Self {
         let bell = Arc::<Notify>::default();
         let waiter = Waiter {
             offer: Offer::of(request),
@@ -76,7 +78,7 @@ impl Store {
             bell: Arc::clone(&bell),
         };
         let place = calls.lock().enter(waiter);
-        Waiting {
+        Self {
             calls,
             queued,
             place,
@@ -84,9 +86,7 @@ impl Store {
             answers: false,
         }
     }
-}
 
-impl Waiting {
     /// Notes that the worker looks for a job now. To be told before it does: what comes in between calls it.
     pub fn looks(&mut self) {
         let came = *self.queued.borrow();

@@ -50,18 +50,6 @@ impl Line {
 impl Change {
     /// The job that a worker is to have next, if one fits it.
     pub(super) async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
-        let may_have_one: bool = query_scalar(
-            "SELECT EXISTS (SELECT 1 FROM waiting_lines) AND NOT EXISTS
-                (SELECT 1 FROM machines WHERE host = ? AND worker_name = ? AND until > ?)",
-        )
-        .bind(&worker.host)
-        .bind(&worker.name)
-        .bind(self.now.as_millis())
-        .fetch_one(&mut self.connection)
-        .await?;
-        if !may_have_one {
-            return Ok(None);
-        }
         let standings = self.standings().await?;
         for with_faults in [false, true] {
             let mut lines = self.first_lines(worker, &standings, with_faults).await?;

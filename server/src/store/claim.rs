@@ -1,10 +1,13 @@
 //! Handing a job to a worker.
+use std::sync::Arc;
+
 use loadframe_api::JobKind;
 use loadframe_api::worker::{CheckpointInfo, ClaimRequest, Lease};
 use serde_json::value::RawValue;
 use uuid::Uuid;
 
 use super::Store;
+use super::calls::Waiting;
 use super::checkpoints::CheckpointRow;
 use super::clock::millis;
 use super::database::{query_as, query_scalar, row};
@@ -19,6 +22,20 @@ use crate::queue::Input;
 const HEARTBEAT_S: f64 = 1.0;
 /// and so often within a lease that one may be lost.
 const HEARTBEATS_A_LEASE: f64 = 4.0;
+
+row! {
+    /// What there is for a worker that asks.
+    struct Look {
+        /// Jobs wait; whether any is for it is another question.
+        has_jobs: bool,
+        /// Its machine is given none.
+        is_set_aside: bool,
+        /// It asks for the first time.
+        is_new: bool,
+        /// It has a live lease that it never used.
+        has_unused: bool,
+    }
+}
 
 row! {
     /// The job that a worker gets.
@@ -40,6 +57,11 @@ row! {
 }
 
 impl Store {
+    /// Takes a place among the workers that wait for a job at this server.
+    pub fn wait_in_line(&self, request: &ClaimRequest) -> Waiting {
+        Waiting::among(Arc::clone(&self.0.calls), self.queued(), request)
+    }
+
     /// The next job for this worker, if one is waiting now that fits it: see [`super::choice`]. A lease that was handed to this worker and never used is handed
     /// out again: the answer to the first claim must have been lost.
     ///
@@ -81,10 +103,20 @@ impl Change {
         worker: &ClaimRequest,
         lease: i64,
     ) -> Result<Option<(ClaimedJob, Option<CheckpointInfo>)>> {
-        self.try_restarted(worker).await?;
+        let mut look = self.look(worker).await?;
+        if look.is_set_aside && look.is_new {
+            // somebody may have seen to the machine
+            self.end_pause(worker).await?;
+            look.is_set_aside = false;
+        }
         self.register_worker(worker).await?;
-        let attempt = match self.unused_lease(worker.worker_id, lease).await? {
+        let unused = match look.has_unused {
+            true => self.unused_lease(worker.worker_id, lease).await?,
+            false => None,
+        };
+        let attempt = match unused {
             Some(attempt) => attempt,
+            None if look.is_set_aside || !look.has_jobs => return Ok(None),
             None => match self.next_job(worker).await? {
                 Some(job) => self.start_attempt(worker, &job, lease).await?,
                 None => return Ok(None),
@@ -110,6 +142,25 @@ impl Change {
             None => None,
         };
         Ok(Some((claimed, checkpoint)))
+    }
+
+    /// What there is for a worker, in one statement: most that ask get nothing.
+    async fn look(&mut self, worker: &ClaimRequest) -> Result<Look> {
+        let look = query_as(
+            "SELECT EXISTS (SELECT 1 FROM waiting_lines) AS has_jobs,
+                    EXISTS (SELECT 1 FROM machines WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
+                        AS is_set_aside,
+                    NOT EXISTS (SELECT 1 FROM workers WHERE id = ?1) AS is_new,
+                    EXISTS (SELECT 1 FROM attempts WHERE worker = ?1 AND ended_at IS NULL AND heard = FALSE)
+                        AS has_unused",
+        )
+        .bind(worker.worker_id)
+        .bind(&worker.host)
+        .bind(&worker.name)
+        .bind(self.now.as_millis())
+        .fetch_one(&mut self.connection)
+        .await?;
+        Ok(look)
     }
 
     /// A live lease of the worker that it never used, extended.

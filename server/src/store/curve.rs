@@ -1,6 +1,6 @@
 //! Curves: points in the order they were computed, in blocks of about 100 kB.
 use loadframe_api::CurveView;
-use loadframe_api::worker::{CurveBlock, MOST_CURVE_COLUMNS};
+use loadframe_api::worker::{CurveBlock, MOST_CURVE_COLUMNS, MOST_CURVE_POINTS};
 use uuid::Uuid;
 
 use super::Store;
@@ -13,8 +13,6 @@ use super::writer::Change;
 
 /// Size of a full block before compression [bytes].
 const BLOCK_BYTES: usize = 100_000;
-/// Points a report may bring.
-const MOST_ROWS: usize = 10_000;
 /// Fast; the numbers of a simulation gain little from more.
 const COMPRESSION: i32 = 1;
 
@@ -239,9 +237,11 @@ fn between(blocks: &[Block], columns: usize, since: u64, end: u64) -> Result<Vec
 
 fn check(attempt: &LeasedAttempt, block: &CurveBlock) -> Result<()> {
     let invalid = |sentence: String| Err(StoreError::Invalid(sentence));
-    if !(1..=MOST_CURVE_COLUMNS).contains(&block.columns.len()) || block.rows.len() > MOST_ROWS {
+    if !(1..=MOST_CURVE_COLUMNS).contains(&block.columns.len())
+        || block.rows.len() > MOST_CURVE_POINTS
+    {
         return invalid(format!(
-            "a block has 1 … {MOST_CURVE_COLUMNS} columns and at most {MOST_ROWS} rows"
+            "a block has 1 … {MOST_CURVE_COLUMNS} columns and at most {MOST_CURVE_POINTS} rows"
         ));
     }
     let points = attempt.points.unsigned_abs();

@@ -1,4 +1,6 @@
 //! Jobs as clients see them, and how to tell cheaply whether anything changed.
+use std::collections::{BTreeSet, HashMap};
+
 use indexmap::IndexMap;
 use loadframe_api::people::Named;
 use loadframe_api::{
@@ -9,7 +11,7 @@ use serde::Deserialize;
 use uuid::Uuid;
 
 use super::Store;
-use super::database::{query_as, query_scalar, row};
+use super::database::{On, query_as, query_scalar, row};
 use super::encoding::{json, parsed, variant};
 use super::error::{Result, StoreError};
 
@@ -24,13 +26,28 @@ pub(super) fn hex_names(ids: &[Uuid]) -> Result<String> {
 /// higher priorities, its owner's of the same (in blocks before, in ever smaller blocks before, and within its
 /// own block), and as many of each other person's, one more of those whose turn is before its owner's.
 macro_rules! select_jobs {
+    // one job
     ($from:literal) => {
+        select_jobs!(
+            "(SELECT name FROM people o WHERE o.id = j.owner)",
+            "(SELECT name FROM projects p WHERE p.id = j.project)",
+            $from
+        )
+    };
+    // a list, whose names are read afterwards
+    (many $from:literal) => {
+        select_jobs!("NULL", "NULL", $from)
+    };
+    ($owner_name:literal, $project_name:literal, $from:literal) => {
         concat!(
             "SELECT j.seq, j.id, j.kind, j.name, j.notes, j.tags, j.priority, j.status, j.outcome,
                 j.reason, j.reason_code, j.progress, j.phase, j.eta_s, j.attempt, j.created_at,
                 j.started_at, j.finished_at, j.updated_at, j.spec_sha256, j.estimate, j.overrun_factor,
-                j.threads, j.owner, (SELECT name FROM people o WHERE o.id = j.owner) AS owner_name,
-                j.project, (SELECT name FROM projects p WHERE p.id = j.project) AS project_name,
+                j.threads, j.owner, j.project, ",
+            $owner_name,
+            " AS owner_name, ",
+            $project_name,
+            " AS project_name,
                 (SELECT summary FROM results r WHERE r.job = j.seq) AS summary,
                 CASE j.status WHEN 'queued' THEN CAST(1
                     + (SELECT COALESCE(SUM(w.jobs), 0) FROM waiting_counts w
@@ -78,8 +95,8 @@ macro_rules! select_jobs {
     };
 }
 
-/// The same, to be gone on with.
-pub(super) const SELECT_JOBS: &str = select_jobs!("");
+/// The same for a list, to be gone on with; [`Store::with_names`] completes its rows.
+pub(super) const SELECT_JOBS: &str = select_jobs!(many "");
 
 row! {
     /// A job's row with what belongs to it.
@@ -131,6 +148,15 @@ struct AttemptRow {
 }
 
 impl JobRow {
+    /// That of the job `id`.
+    async fn of(on: impl Into<On<'_>>, id: Uuid) -> Result<Self> {
+        query_as(select_jobs!("jobs j WHERE j.id = ?"))
+            .bind(id)
+            .fetch_optional(on)
+            .await?
+            .ok_or_else(|| StoreError::NotFound(format!("job {id}")))
+    }
+
     pub(super) fn view(self) -> Result<JobView> {
         let attempts: Vec<AttemptRow> = parsed(&self.attempts, "attempts")?;
         let summary: Option<IndexMap<String, Quantity>> = match &self.summary {
@@ -207,11 +233,7 @@ impl Store {
     /// [`StoreError::NotFound`].
     pub async fn job(&self, id: Uuid) -> Result<JobView> {
         let mut connection = self.reads().acquire().await?;
-        let row: Option<JobRow> = query_as(select_jobs!("jobs j WHERE j.id = ?"))
-            .bind(id)
-            .fetch_optional(&mut connection)
-            .await?;
-        let row = row.ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
+        let row = JobRow::of(&mut connection, id).await?;
         // a spec never changes, so it need not be of the same moment
         let spec: Option<String> = query_scalar("SELECT json FROM specs WHERE job = ?")
             .bind(row.seq)
@@ -222,6 +244,13 @@ impl Store {
             Some(text) => Some(parsed(&text, "spec")?),
             None => return Err(StoreError::NotFound(format!("job {id}"))),
         };
+        Ok(view)
+    }
+
+    /// The job, whose spec is known.
+    pub(super) async fn job_with_spec(&self, id: Uuid, spec: &str) -> Result<JobView> {
+        let mut view = JobRow::of(self.reads(), id).await?.view()?;
+        view.spec = Some(parsed(spec, "spec")?);
         Ok(view)
     }
 
@@ -265,12 +294,37 @@ impl Store {
     /// Jobs by id, in any order; those that are gone are left out.
     pub(super) async fn jobs_by_id(&self, ids: &[Uuid]) -> Result<Vec<JobView>> {
         let rows: Vec<JobRow> = query_as(select_jobs!(
-            "jobs j WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
+            many "jobs j WHERE j.id IN (SELECT unhex(value) FROM json_each(?))"
         ))
         .bind(hex_names(ids)?)
         .fetch_all(self.reads())
         .await?;
-        Ok(readable(rows).0)
+        Ok(readable(self.with_names(rows).await?).0)
+    }
+
+    /// Rows of a list with the names of their owners and projects. These are few and stand in many rows, each
+    /// of which would look them up, and bring them, by itself.
+    pub(super) async fn with_names(&self, mut rows: Vec<JobRow>) -> Result<Vec<JobRow>> {
+        let named = rows.iter().flat_map(|row| [row.owner, row.project]);
+        let named: BTreeSet<Uuid> = named.flatten().collect();
+        if named.is_empty() {
+            return Ok(rows);
+        }
+        let names: Vec<(Uuid, String)> = query_as(
+            "SELECT id, name FROM people WHERE id IN (SELECT unhex(value) FROM json_each(?1))
+             UNION ALL
+             SELECT id, name FROM projects WHERE id IN (SELECT unhex(value) FROM json_each(?1))",
+        )
+        .bind(hex_names(&named.into_iter().collect::<Vec<_>>())?)
+        .fetch_all(self.reads())
+        .await?;
+        let names: HashMap<Uuid, String> = names.into_iter().collect();
+        let name = |id: Option<Uuid>| names.get(&id?).cloned();
+        for row in &mut rows {
+            row.owner_name = name(row.owner);
+            row.project_name = name(row.project);
+        }
+        Ok(rows)
     }
 }
 

@@ -162,18 +162,13 @@ impl Change {
         Ok(())
     }
 
-    /// Ends the pause of a machine whose worker was started again: somebody may have seen to it.
-    pub(super) async fn try_restarted(&mut self, worker: &ClaimRequest) -> Result<()> {
-        query(
-            "UPDATE machines SET until = 0 WHERE host = ?1 AND worker_name = ?2 AND until > ?3
-                AND NOT EXISTS (SELECT 1 FROM workers WHERE id = ?4)",
-        )
-        .bind(&worker.host)
-        .bind(&worker.name)
-        .bind(self.now.as_millis())
-        .bind(worker.worker_id)
-        .execute(&mut self.connection)
-        .await?;
+    /// Ends the pause of the worker's machine.
+    pub(super) async fn end_pause(&mut self, worker: &ClaimRequest) -> Result<()> {
+        query("UPDATE machines SET until = 0 WHERE host = ? AND worker_name = ?")
+            .bind(&worker.host)
+            .bind(&worker.name)
+            .execute(&mut self.connection)
+            .await?;
         Ok(())
     }
 }

@@ -90,12 +90,22 @@ impl Store {
             key,
         };
         let new = job.id;
-        let id = self
-            .write(move |change| Box::pin(async move { change.enqueue(&job).await }))
-            .await?;
+        let written = self.write(move |change| {
+            Box::pin(async move {
+                let id = change.enqueue(&job).await?;
+                Ok((id, job.spec))
+            })
+        });
+        let (id, spec) = written.await?;
+        let replayed = id != new;
+        let job = match replayed {
+            true => self.job(id).await,
+            // what was written down is not read again
+            false => self.job_with_spec(id, &spec).await,
+        };
         Ok(Enqueued {
-            job: self.job(id).await.map_err(gone)?,
-            replayed: id != new,
+            job: job.map_err(gone)?,
+            replayed,
         })
     }
 

@@ -271,16 +271,19 @@ async fn commit(
 ) -> Result<Effects> {
     let mut effects = Effects::default();
     let start = Instant::now();
-    if let Some(moment) = change.connection.begin_writing().await? {
+    if let Some(moment) = change.connection.begin_commands().await? {
         change.clock.follow(moment);
     }
     if start.elapsed() > LONG_WAIT {
         change.last_trouble = change.clock.now().as_millis();
     }
-    // what ends a command goes to the database together with what begins the next, or with the commit
-    let mut begin = "SAVEPOINT command";
+    // what ends a command goes to the database together with what begins the next, or with the commit; what
+    // begins the first, with what begins the transaction
+    let mut begin = None;
     for command in batch {
-        change.connection.run(begin).await?;
+        if let Some(begin) = begin {
+            change.connection.run(begin).await?;
+        }
         change.now = change.clock.now();
         let CommandEnd { stays, deliver } = command(change).await;
         answers.push(deliver);
@@ -288,13 +291,13 @@ async fn commit(
             // the database may have undone the whole transaction by itself: nothing of it is kept
             return Err(StoreError::Full);
         }
-        begin = if stays {
+        begin = Some(if stays {
             "RELEASE command; SAVEPOINT command"
         } else {
             let undo = "ROLLBACK TO command; RELEASE command";
             change.connection.run(undo).await?;
             "SAVEPOINT command"
-        };
+        });
         let made = std::mem::take(&mut change.effects);
         if stays {
             effects.last_event = made.last_event.or(effects.last_event);
@@ -303,7 +306,6 @@ async fn commit(
             effects.lines.extend(made.lines);
         }
     }
-    change.write_lines(&effects.lines).await?;
     if effects.last_event.is_some() || effects.queued {
         let (last_event, queued) = (effects.last_event, effects.queued);
         let news = News {
@@ -313,7 +315,10 @@ async fn commit(
         };
         change.connection.tell(news).await?;
     }
-    change.connection.commit().await?;
+    match effects.lines.is_empty() {
+        true => change.connection.commit().await?,
+        false => Line::commit(&effects.lines, &mut change.connection).await?,
+    }
     Ok(effects)
 }
 

@@ -20,6 +20,7 @@ mod names;
 mod openapi;
 #[path = "../shared/outcome.rs"]
 mod outcome;
+mod pace;
 mod page;
 mod people;
 mod preview;

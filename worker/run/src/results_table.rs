@@ -61,6 +61,17 @@ mod tests {
     use super::*;
     use loadframe_api::{ErrorBasis, ErrorPart, Quantity, Tenth};
 
+    /// The table of these results.
+    fn written(summary: impl IntoIterator<Item = (String, Quantity)>) -> String {
+        let report = Report {
+            summary: summary.into_iter().collect(),
+            ..Report::default()
+        };
+        let mut bytes = Vec::new();
+        write(&mut bytes, &report).expect("a Vec takes everything");
+        String::from_utf8(bytes).expect("text")
+    }
+
     #[test]
     fn a_row_has_value_and_error_and_what_buys_a_digit() {
         let part = |source, value| ErrorPart::new(source, value, ErrorBasis::TwoGrids);
@@ -78,13 +89,7 @@ mod tests {
             ("deflection".to_owned(), deflection.with_error(parts)),
             ("modulus_at_2_5_percent".to_owned(), modulus),
         ];
-        let report = Report {
-            summary: summary.into_iter().collect(),
-            ..Report::default()
-        };
-        let mut bytes = Vec::new();
-        write(&mut bytes, &report).expect("a Vec takes everything");
-        let text = String::from_utf8(bytes).expect("text");
+        let text = written(summary);
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], COLUMNS.join(","));
         // 3² + 4² = 5²
@@ -102,13 +107,7 @@ mod tests {
         let force = Quantity::new(-2.5, "@N", "");
         let torn = Quantity::new(f64::NAN, "N", "").or_because("+1 was torn");
         let summary = [("=plate".to_owned(), force), ("torn".to_owned(), torn)];
-        let report = Report {
-            summary: summary.into_iter().collect(),
-            ..Report::default()
-        };
-        let mut bytes = Vec::new();
-        write(&mut bytes, &report).expect("a Vec takes everything");
-        let text = String::from_utf8(bytes).expect("text");
+        let text = written(summary);
         let rows: Vec<Vec<&str>> = text.lines().map(|row| row.split(',').collect()).collect();
         assert_eq!(rows[1][0], "\"'=plate\"");
         assert_eq!((rows[1][2], rows[1][3]), ("-2.5", "\"'@N\""));

@@ -79,6 +79,14 @@ pub(super) struct Texts {
     pub(super) index_decides: bool,
 }
 
+/// A statement that a transaction may end with, ?1 its value.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LastStatement {
+    pub(super) alone: &'static str,
+    /// The same, and `COMMIT`.
+    pub(super) and_commit: &'static str,
+}
+
 /// How a connection is held.
 #[derive(Debug)]
 pub(super) enum Link<D: sqlx::Database> {
@@ -244,6 +252,34 @@ impl Connection {
         Ok(None)
     }
 
+    /// [`Self::begin_writing`], with the first savepoint of the transaction.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn begin_commands(&mut self) -> Result<Option<i64>> {
+        if let Self::Sqlite(_) = self {
+            query(sqlite::BEGIN_COMMANDS).execute(self).await?;
+            return Ok(None);
+        }
+        let moment = self.begin_writing().await?;
+        self.run("SAVEPOINT command").await?;
+        Ok(moment)
+    }
+
+    /// Ends a transaction with a last statement of one value, in one way to the database and back where it
+    /// takes both at once; it stays.
+    ///
+    /// # Errors
+    /// The database's; what was written is then undone.
+    pub(super) async fn commit_with(&mut self, last: LastStatement, value: String) -> Result<()> {
+        if let Self::Sqlite(_) = self {
+            query(last.and_commit).bind(value).execute(self).await?;
+            return Ok(());
+        }
+        query(last.alone).bind(value).execute(&mut *self).await?;
+        self.commit().await
+    }
+
     /// Ends a transaction; it stays.
     ///
     /// # Errors
@@ -259,7 +295,7 @@ impl Connection {
     /// The database's.
     pub(super) async fn run(&mut self, text: &'static str) -> Result<()> {
         match self {
-            Self::Sqlite(link) => _ = sqlx::raw_sql(text).execute(link.connection()).await?,
+            Self::Sqlite(_) => _ = query(text).execute(self).await?,
             Self::Postgres(link) => _ = sqlx::raw_sql(text).execute(link.connection()).await?,
         }
         Ok(())

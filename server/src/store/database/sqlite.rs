@@ -25,6 +25,8 @@ const LOG_KEPT: &str = "67108864";
 
 /// Begins a transaction that may write.
 pub(super) const BEGIN: &str = "BEGIN IMMEDIATE";
+/// The same, and its first savepoint.
+pub(super) const BEGIN_COMMANDS: &str = "BEGIN IMMEDIATE; SAVEPOINT command";
 /// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment,
 /// ?4 the job's row. Two statements in one go: every statement is a way to the connection's thread and back.
 pub(super) const EVENT: &str = "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3);

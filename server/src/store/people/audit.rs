@@ -1,18 +1,14 @@
 //! The audit log: a line in the transaction of each change that somebody makes. It only grows; the
 //! database itself refuses to change or delete a line.
-use std::sync::Arc;
-
 use loadframe_api::people::AuditEntry;
 use loadframe_api::{Page, Timestamp};
-use serde::Serialize;
 use uuid::Uuid;
 
 use super::super::Store;
-use super::super::database::{query, query_as, row};
-use super::super::encoding::json;
+use super::super::database::{query_as, row};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
-use super::actor::Actor;
+use super::line::Line;
 
 /// Longest page.
 const LONGEST_PAGE: u32 = 1000;
@@ -42,40 +38,6 @@ row! {
     }
 }
 
-/// A line that is to be written with the transaction.
-#[derive(Debug)]
-pub(in super::super) struct Line {
-    at: Timestamp,
-    actor: Arc<Actor>,
-    action: String,
-    object: Option<Uuid>,
-    detail: String,
-}
-
-impl Line {
-    fn columns(&self) -> impl Serialize + '_ {
-        let Actor {
-            who,
-            person,
-            credential,
-            request,
-            address,
-        } = &*self.actor;
-        let id = |id: Option<Uuid>| id.map(|id| format!("{:X}", id.simple()));
-        (
-            self.at.as_millis(),
-            who,
-            id(*person),
-            id(*credential),
-            &self.action,
-            id(self.object),
-            &self.detail,
-            id(*request),
-            address,
-        )
-    }
-}
-
 impl Change {
     /// Writes down that the actor of this change did `action` to `object`; without an actor it is the
     /// server itself that changes something, or the one person of a server without accounts.
@@ -95,28 +57,6 @@ impl Change {
                 detail: detail.replace('\0', "\u{fffd}"),
             });
         }
-        Ok(())
-    }
-
-    /// Writes the lines of a transaction, in their order. In one go, before the commit: every statement is a
-    /// way to the database and back, for which all commands of the transaction would wait one after the other.
-    pub(in super::super) async fn write_lines(&mut self, lines: &[Line]) -> Result<()> {
-        if lines.is_empty() {
-            return Ok(());
-        }
-        let columns: Vec<_> = lines.iter().map(Line::columns).collect();
-        query(
-            "INSERT INTO audit (at, who, person, credential, action, object, detail, request, address)
-             SELECT CAST(json_extract(value, '$[0]') AS BIGINT), json_extract(value, '$[1]'),
-                    unhex(json_extract(value, '$[2]')), unhex(json_extract(value, '$[3]')),
-                    json_extract(value, '$[4]'), unhex(json_extract(value, '$[5]')),
-                    json_extract(value, '$[6]'), unhex(json_extract(value, '$[7]')),
-                    json_extract(value, '$[8]')
-             FROM json_each(?) ORDER BY key",
-        )
-        .bind(json(&columns)?)
-        .execute(&mut self.connection)
-        .await?;
         Ok(())
     }
 }

@@ -22,6 +22,18 @@ fn sentence(answer: &Answer) -> String {
     detail.as_str().expect("a sentence").to_owned()
 }
 
+/// Holds against it that this one value of the request is wrong; what is told of it.
+fn refuses(answer: &Answer, pointer: &str, value: Value) -> Value {
+    let problem = answer.problem(422, "invalid-request");
+    let violation = &problem["violations"][0];
+    assert_eq!(
+        (&violation["pointer"], &violation["value"]),
+        (&json!(pointer), &value),
+        "{problem}"
+    );
+    violation.clone()
+}
+
 async fn asks(group: &Group, by: &Somebody, method: &str, path: &str, body: Value) -> Answer {
     group.send(by, method, path, &body.to_string()).await
 }
@@ -37,9 +49,7 @@ async fn a_group_name_twice() {
         json!({ "name": "paper" }),
     )
     .await;
-    let problem = answer.problem(422, "invalid-request");
-    assert_eq!(problem["violations"][0]["pointer"], "/name");
-    assert_eq!(problem["violations"][0]["value"], "paper");
+    refuses(&answer, "/name", json!("paper"));
     assert_eq!(sentence(&answer), "there is a group of this name already");
 }
 
@@ -111,8 +121,7 @@ async fn a_webhook_to_a_private_address() {
     let group = Group::open().await;
     let body = json!({ "url": "http://192.168.1.7/hook", "events": ["ended"] });
     let answer = asks(&group, &group.anna, "POST", "/v1/webhooks", body).await;
-    let problem = answer.problem(422, "invalid-request");
-    assert_eq!(problem["violations"][0]["pointer"], "/url");
+    refuses(&answer, "/url", json!("http://192.168.1.7/hook"));
     let said = sentence(&answer);
     assert!(
         said.contains("192.168.1.7, which is a private address"),
@@ -133,13 +142,7 @@ async fn a_retention_of_zero_days() {
         json!({ "snapshots_days": 0 }),
     )
     .await;
-    let problem = answer.problem(422, "invalid-request");
-    let violation = &problem["violations"][0];
-    assert_eq!(
-        (&violation["pointer"], &violation["value"]),
-        (&json!("/snapshots_days"), &json!(0)),
-        "{problem}"
-    );
+    let violation = refuses(&answer, "/snapshots_days", json!(0));
     let allowed = violation["allowed"].as_str().expect("a range");
     assert!(
         allowed.contains('1') && allowed.contains("36500"),
@@ -163,12 +166,7 @@ async fn a_quota_below_what_is_used() {
         json!({ "disk_gb": 0.0005 }),
     )
     .await;
-    let problem = answer.problem(422, "invalid-request");
-    let violation = &problem["violations"][0];
-    assert_eq!(
-        (&violation["pointer"], &violation["value"]),
-        (&json!("/disk_gb"), &json!(0.0005))
-    );
+    refuses(&answer, "/disk_gb", json!(0.0005));
     assert_eq!(
         sentence(&answer),
         "0.0005 GB are below the 0.001 GB that the person's files take; files have to be deleted first"
