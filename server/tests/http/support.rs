@@ -1,4 +1,6 @@
-//! A laboratory for a test: the router over a fresh store, and a worker played by hand.
+//! A laboratory for a test: the router over a fresh store, and a worker played by hand. What it does is boxed,
+//! for a future is compiled anew, with all that it awaits, in every unit of code that awaits it.
+use futures_util::future::BoxFuture;
 use std::net::SocketAddr;
 
 use axum::Router;
@@ -48,15 +50,21 @@ impl Lab {
         let mut config = ServeConfig::new(data.path());
         config.store.database = crate::database::place(data.path());
         change(&mut config);
-        let store = Store::open(config.store.clone()).await.expect("a store");
-        let address = config.listen.parse().expect("an address");
-        let state = AppState::new(store.clone(), &config, address);
-        Self {
-            router: router(state.clone()),
-            store,
-            state,
-            _data: data,
-        }
+        Self::of(config, data).await
+    }
+
+    fn of(config: ServeConfig, data: TempDir) -> BoxFuture<'static, Self> {
+        Box::pin(async move {
+            let store = Store::open(config.store.clone()).await.expect("a store");
+            let address = config.listen.parse().expect("an address");
+            let state = AppState::new(store.clone(), &config, address);
+            Self {
+                router: router(state.clone()),
+                store,
+                state,
+                _data: data,
+            }
+        })
     }
 
     /// Changes what the estimate of a job may reach.
@@ -66,13 +74,15 @@ impl Lab {
     }
 
     /// The answer as it comes, for streams.
-    pub(crate) async fn begin(&self, mut request: Request<Body>) -> Response<Body> {
-        let peer = ConnectInfo(SocketAddr::from(([192, 0, 2, 1], 40_000)));
-        request.extensions_mut().get_or_insert(peer);
-        let host = "localhost".parse().expect("a header");
-        request.headers_mut().entry(header::HOST).or_insert(host);
-        let answer = self.router.clone().oneshot(request).await;
-        answer.expect("the router answers everything")
+    pub(crate) fn begin(&self, mut request: Request<Body>) -> BoxFuture<'_, Response<Body>> {
+        Box::pin(async move {
+            let peer = ConnectInfo(SocketAddr::from(([192, 0, 2, 1], 40_000)));
+            request.extensions_mut().get_or_insert(peer);
+            let host = "localhost".parse().expect("a header");
+            request.headers_mut().entry(header::HOST).or_insert(host);
+            let answer = self.router.clone().oneshot(request).await;
+            answer.expect("the router answers everything")
+        })
     }
 
     pub(crate) async fn send(&self, request: Request<Body>) -> Answer {
@@ -81,23 +91,27 @@ impl Lab {
     }
 
     /// An answer read to its end.
-    pub(crate) async fn read(&self, response: Response<Body>) -> Answer {
-        let (parts, body) = response.into_parts();
-        Answer {
-            status: parts.status.as_u16(),
-            headers: parts.headers,
-            body: to_bytes(body, MOST).await.unwrap_or_default(),
-        }
+    pub(crate) fn read(&self, response: Response<Body>) -> BoxFuture<'_, Answer> {
+        Box::pin(async move {
+            let (parts, body) = response.into_parts();
+            Answer {
+                status: parts.status.as_u16(),
+                headers: parts.headers,
+                body: to_bytes(body, MOST).await.unwrap_or_default(),
+            }
+        })
     }
 
     /// A token of nobody in particular.
-    pub(crate) async fn token(&self, scope: Scope) -> TokenMade {
-        let new = NewToken {
-            name: "a token".to_owned(),
-            scope,
-            days: None,
-        };
-        self.store.create_token(None, new).await.expect("a token")
+    pub(crate) fn token(&self, scope: Scope) -> BoxFuture<'_, TokenMade> {
+        Box::pin(async move {
+            let new = NewToken {
+                name: "a token".to_owned(),
+                scope,
+                days: None,
+            };
+            self.store.create_token(None, new).await.expect("a token")
+        })
     }
 
     pub(crate) async fn get(&self, path: &str) -> Answer {
@@ -113,48 +127,59 @@ impl Lab {
     }
 
     /// Submits the quick example; its id.
-    pub(crate) async fn submit(&self) -> Uuid {
-        let answer = self.post("/v1/jobs", example()).await;
-        assert_eq!(answer.status, 201, "{answer:?}");
-        let id = answer.json()["id"].as_str().expect("an id").to_owned();
-        id.parse().expect("a UUID")
+    pub(crate) fn submit(&self) -> BoxFuture<'_, Uuid> {
+        Box::pin(async move {
+            let answer = self.post("/v1/jobs", example()).await;
+            assert_eq!(answer.status, 201, "{answer:?}");
+            let id = answer.json()["id"].as_str().expect("an id").to_owned();
+            id.parse().expect("a UUID")
+        })
     }
 
     /// Claims the next job as a worker would.
-    pub(crate) async fn claim(&self) -> Lease {
-        let claim = ClaimRequest {
-            worker_id: Uuid::from_u128(7),
-            name: "by hand".to_owned(),
-            host: "test".to_owned(),
-            threads: 1,
-            engine_version: "0".to_owned(),
-            kinds: JobKind::ALL.to_vec(),
-            calibration: None,
-            memory_mb: None,
-            disk_mb: None,
-            time_left_s: None,
-            wait_s: 0.0,
-        };
-        let lease = self.store.claim(&claim).await.expect("a claim");
-        lease.expect("a job is waiting")
+    pub(crate) fn claim(&self) -> BoxFuture<'_, Lease> {
+        Box::pin(async move {
+            let claim = ClaimRequest {
+                worker_id: Uuid::from_u128(7),
+                name: "by hand".to_owned(),
+                host: "test".to_owned(),
+                threads: 1,
+                engine_version: "0".to_owned(),
+                kinds: JobKind::ALL.to_vec(),
+                calibration: None,
+                memory_mb: None,
+                disk_mb: None,
+                time_left_s: None,
+                wait_s: 0.0,
+            };
+            let lease = self.store.claim(&claim).await.expect("a claim");
+            lease.expect("a job is waiting")
+        })
     }
 
     /// Reports points of a curve with these columns.
-    pub(crate) async fn report(&self, lease: &Lease, first: u64, rows: Vec<Vec<f64>>) {
-        let report = ProgressReport {
-            progress: 0.5,
-            phase: "pulling".to_owned(),
-            eta_s: Some(1.0),
-            points: Some(CurveBlock {
-                columns: vec!["strain".to_owned(), "force_n".to_owned()],
-                first,
-                rows,
-            }),
-            log: vec!["a line".to_owned()],
-            log_from: None,
-        };
-        let reported = self.store.report(key(lease), &report).await;
-        reported.expect("the lease is held");
+    pub(crate) fn report<'a>(
+        &'a self,
+        lease: &'a Lease,
+        first: u64,
+        rows: Vec<Vec<f64>>,
+    ) -> BoxFuture<'a, ()> {
+        Box::pin(async move {
+            let report = ProgressReport {
+                progress: 0.5,
+                phase: "pulling".to_owned(),
+                eta_s: Some(1.0),
+                points: Some(CurveBlock {
+                    columns: vec!["strain".to_owned(), "force_n".to_owned()],
+                    first,
+                    rows,
+                }),
+                log: vec!["a line".to_owned()],
+                log_from: None,
+            };
+            let reported = self.store.report(key(lease), &report).await;
+            reported.expect("the lease is held");
+        })
     }
 
     /// Submits a job and finishes it with these files beside `outcome.json`; its id.
@@ -165,27 +190,33 @@ impl Lab {
     }
 
     /// Finishes the job that is next with these files beside `outcome.json`.
-    pub(crate) async fn finish(&self, id: Uuid, files: &[(&str, &[u8])]) {
-        let lease = self.claim().await;
-        assert_eq!(lease.job_id, id);
-        self.report(&lease, 0, vec![vec![0.0, 1.0], vec![1.0, 2.5e-7]])
-            .await;
-        let outcome = outcome(&lease, &[]);
-        let text = serde_json::to_string(&outcome).expect("plain data");
-        let mut entries = Vec::new();
-        for (name, bytes) in files.iter().chain(&[("outcome.json", text.as_bytes())]) {
-            let uploaded = self
-                .store
-                .upload(key(&lease), name, &sha256_hex(bytes), *bytes)
+    pub(crate) fn finish<'a>(
+        &'a self,
+        id: Uuid,
+        files: &'a [(&'a str, &'a [u8])],
+    ) -> BoxFuture<'a, ()> {
+        Box::pin(async move {
+            let lease = self.claim().await;
+            assert_eq!(lease.job_id, id);
+            self.report(&lease, 0, vec![vec![0.0, 1.0], vec![1.0, 2.5e-7]])
                 .await;
-            entries.push(uploaded.expect("the lease is held"));
-        }
-        let complete = CompleteRequest {
-            outcome,
-            files: entries,
-        };
-        let completed = self.store.complete(key(&lease), &complete).await;
-        completed.expect("the lease is held");
+            let outcome = outcome(&lease, &[]);
+            let text = serde_json::to_string(&outcome).expect("plain data");
+            let mut entries = Vec::new();
+            for (name, bytes) in files.iter().chain(&[("outcome.json", text.as_bytes())]) {
+                let uploaded = self
+                    .store
+                    .upload(key(&lease), name, &sha256_hex(bytes), *bytes)
+                    .await;
+                entries.push(uploaded.expect("the lease is held"));
+            }
+            let complete = CompleteRequest {
+                outcome,
+                files: entries,
+            };
+            let completed = self.store.complete(key(&lease), &complete).await;
+            completed.expect("the lease is held");
+        })
     }
 }
 

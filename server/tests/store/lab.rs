@@ -1,4 +1,5 @@
 //! A store in a temporary folder, with users and workers that do as they are told.
+use futures_util::future::BoxFuture;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -39,104 +40,138 @@ pub(crate) const LONG: Duration = Duration::from_secs(3600);
 pub(crate) const NONE: Duration = Duration::ZERO;
 
 impl Lab {
-    pub(crate) async fn open(lease: Duration) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(options(&folder, lease)).await.unwrap();
-        Self { store, folder }
+    pub(crate) fn open(lease: Duration) -> BoxFuture<'static, Self> {
+        Box::pin(async move {
+            let folder = tempfile::tempdir().unwrap();
+            let store = Store::open(options(&folder, lease)).await.unwrap();
+            Self { store, folder }
+        })
     }
 
     /// Closes the store and opens it again.
-    pub(crate) async fn reopen(self, lease: Duration) -> Self {
-        let Self { store, folder } = self;
-        drop(store);
-        let store = Store::open(options(&folder, lease)).await.unwrap();
-        Self { store, folder }
+    pub(crate) fn reopen(self, lease: Duration) -> BoxFuture<'static, Self> {
+        Box::pin(async move {
+            let Self { store, folder } = self;
+            drop(store);
+            let store = Store::open(options(&folder, lease)).await.unwrap();
+            Self { store, folder }
+        })
     }
 
     pub(crate) async fn submit(&self) -> Uuid {
         self.submit_with("", 0).await
     }
 
-    pub(crate) async fn submit_with(&self, name: &str, priority: i32) -> Uuid {
-        let submission = submission(name, priority);
-        self.enqueue(&submission, None).await.unwrap().job.id
+    pub(crate) fn submit_with<'a>(&'a self, name: &'a str, priority: i32) -> BoxFuture<'a, Uuid> {
+        Box::pin(async move {
+            let submission = submission(name, priority);
+            self.enqueue(&submission, None).await.unwrap().job.id
+        })
     }
 
-    pub(crate) async fn lease(&self) -> Lease {
-        self.claim(&worker("bench")).await.unwrap().unwrap()
+    pub(crate) fn lease(&self) -> BoxFuture<'_, Lease> {
+        Box::pin(async move { self.claim(&worker("bench")).await.unwrap().unwrap() })
     }
 
-    pub(crate) async fn view(&self, id: Uuid) -> JobView {
-        self.job(id).await.unwrap()
+    pub(crate) fn view(&self, id: Uuid) -> BoxFuture<'_, JobView> {
+        Box::pin(async move { self.job(id).await.unwrap() })
     }
 
     /// Uploads a file under a lease.
-    pub(crate) async fn put(&self, lease: &Lease, name: &str, content: &[u8]) -> FileEntry {
-        let sha256 = sha256_hex(content);
-        let upload = self.upload(key(lease), name, &sha256, content);
-        upload.await.unwrap()
+    pub(crate) fn put<'a>(
+        &'a self,
+        lease: &'a Lease,
+        name: &'a str,
+        content: &'a [u8],
+    ) -> BoxFuture<'a, FileEntry> {
+        Box::pin(async move {
+            let sha256 = sha256_hex(content);
+            let upload = self.upload(key(lease), name, &sha256, content);
+            upload.await.unwrap()
+        })
     }
 
     /// Leaves a checkpoint after `wall_s` of work.
-    pub(crate) async fn checkpoint_with(&self, lease: &Lease, state: &[u8], wall_s: f64) {
-        let query = CheckpointQuery {
-            sha256: sha256_hex(state),
-            wall_s,
-            cpu_s: wall_s,
-        };
-        self.save_checkpoint(key(lease), &query, state)
-            .await
-            .unwrap();
+    pub(crate) fn checkpoint_with<'a>(
+        &'a self,
+        lease: &'a Lease,
+        state: &'a [u8],
+        wall_s: f64,
+    ) -> BoxFuture<'a, ()> {
+        Box::pin(async move {
+            let query = CheckpointQuery {
+                sha256: sha256_hex(state),
+                wall_s,
+                cpu_s: wall_s,
+            };
+            self.save_checkpoint(key(lease), &query, state)
+                .await
+                .unwrap();
+        })
     }
 
     /// Uploads and completes what a worker with one extra file would.
-    pub(crate) async fn finish(&self, lease: &Lease) -> CompleteRequest {
-        let request = self.result(lease).await;
-        self.complete(key(lease), &request).await.unwrap();
-        request
+    pub(crate) fn finish<'a>(&'a self, lease: &'a Lease) -> BoxFuture<'a, CompleteRequest> {
+        Box::pin(async move {
+            let request = self.result(lease).await;
+            self.complete(key(lease), &request).await.unwrap();
+            request
+        })
     }
 
     /// A result that has been uploaded, not completed.
-    pub(crate) async fn result(&self, lease: &Lease) -> CompleteRequest {
-        let mut files = vec![self.put(lease, "curve.csv", b"a,b\n1,2\n").await];
-        let outcome = outcome(lease, &files);
-        let text = serde_json::to_vec(&outcome).unwrap();
-        files.push(self.put(lease, "outcome.json", &text).await);
-        CompleteRequest { outcome, files }
+    pub(crate) fn result<'a>(&'a self, lease: &'a Lease) -> BoxFuture<'a, CompleteRequest> {
+        Box::pin(async move {
+            let mut files = vec![self.put(lease, "curve.csv", b"a,b\n1,2\n").await];
+            let outcome = outcome(lease, &files);
+            let text = serde_json::to_vec(&outcome).unwrap();
+            files.push(self.put(lease, "outcome.json", &text).await);
+            CompleteRequest { outcome, files }
+        })
     }
 
     /// A file on this machine with the bytes of a file of the job's result: the stored one, where files are
     /// in a folder.
-    pub(crate) async fn content(&self, id: Uuid, file: &FileEntry) -> Result<PathBuf, StoreError> {
-        let content = self.store.content(id, file).await?;
-        Ok(self.local(&content, file.bytes).await)
+    pub(crate) fn content<'a>(
+        &'a self,
+        id: Uuid,
+        file: &'a FileEntry,
+    ) -> BoxFuture<'a, Result<PathBuf, StoreError>> {
+        Box::pin(async move {
+            let content = self.store.content(id, file).await?;
+            Ok(self.local(&content, file.bytes).await)
+        })
     }
 
     /// The same of the checkpoint to go on from.
-    pub(crate) async fn checkpoint(
-        &self,
+    pub(crate) fn checkpoint<'a>(
+        &'a self,
         key: LeaseKey,
-        before: Option<&str>,
-    ) -> Result<(CheckpointInfo, PathBuf), StoreError> {
-        let (info, content) = self.store.checkpoint(key, before).await?;
-        let path = self.local(&content, info.bytes).await;
-        Ok((info, path))
+        before: Option<&'a str>,
+    ) -> BoxFuture<'a, Result<(CheckpointInfo, PathBuf), StoreError>> {
+        Box::pin(async move {
+            let (info, content) = self.store.checkpoint(key, before).await?;
+            let path = self.local(&content, info.bytes).await;
+            Ok((info, path))
+        })
     }
 
-    async fn local(&self, content: &Content, bytes: u64) -> PathBuf {
-        if let Some(path) = content.path() {
-            return path.to_owned();
-        }
-        let pieces: Vec<_> = content
-            .read(0..bytes)
-            .await
-            .unwrap()
-            .try_collect()
-            .await
-            .unwrap();
-        let copy = self.folder.path().join(Uuid::new_v4().to_string());
-        std::fs::write(&copy, pieces.concat()).unwrap();
-        copy
+    fn local<'a>(&'a self, content: &'a Content, bytes: u64) -> BoxFuture<'a, PathBuf> {
+        Box::pin(async move {
+            if let Some(path) = content.path() {
+                return path.to_owned();
+            }
+            let pieces: Vec<_> = content
+                .read(0..bytes)
+                .await
+                .unwrap()
+                .try_collect()
+                .await
+                .unwrap();
+            let copy = self.folder.path().join(Uuid::new_v4().to_string());
+            std::fs::write(&copy, pieces.concat()).unwrap();
+            copy
+        })
     }
 
     /// How many blobs lie in the folder.

@@ -20,6 +20,7 @@ mod whole;
 
 use std::path::Path;
 
+use futures_util::future::BoxFuture;
 use sqlx::pool::PoolConnection;
 use sqlx::postgres::{PgPool, Postgres};
 use sqlx::sqlite::{Sqlite, SqliteConnectOptions, SqlitePool};
@@ -198,10 +199,12 @@ impl Pool {
     ///
     /// # Errors
     /// The database's.
-    pub(super) async fn acquire(&self) -> sqlx::Result<Connection> {
-        Ok(match self {
-            Self::Sqlite(pool) => Connection::Sqlite(Link::Pooled(pool.acquire().await?)),
-            Self::Postgres(pool) => Connection::Postgres(Link::Pooled(pool.acquire().await?)),
+    pub(super) fn acquire(&self) -> BoxFuture<'_, sqlx::Result<Connection>> {
+        Box::pin(async move {
+            Ok(match self {
+                Self::Sqlite(pool) => Connection::Sqlite(Link::Pooled(pool.acquire().await?)),
+                Self::Postgres(pool) => Connection::Postgres(Link::Pooled(pool.acquire().await?)),
+            })
         })
     }
 
@@ -209,13 +212,15 @@ impl Pool {
     ///
     /// # Errors
     /// The database's.
-    pub(super) async fn begin(&self) -> sqlx::Result<Connection> {
-        Ok(match self {
-            Self::Sqlite(pool) => Connection::Sqlite(Link::Snapshot(pool.begin().await?)),
-            Self::Postgres(pool) => {
-                let snapshot = pool.begin_with(postgres::SNAPSHOT).await?;
-                Connection::Postgres(Link::Snapshot(snapshot))
-            }
+    pub(super) fn begin(&self) -> BoxFuture<'_, sqlx::Result<Connection>> {
+        Box::pin(async move {
+            Ok(match self {
+                Self::Sqlite(pool) => Connection::Sqlite(Link::Snapshot(pool.begin().await?)),
+                Self::Postgres(pool) => {
+                    let snapshot = pool.begin_with(postgres::SNAPSHOT).await?;
+                    Connection::Postgres(Link::Snapshot(snapshot))
+                }
+            })
         })
     }
 }

@@ -5,6 +5,7 @@
 use std::fmt::Display;
 use std::marker::PhantomData;
 
+use futures_util::future::BoxFuture;
 use futures_util::stream::{BoxStream, TryStreamExt};
 use sqlx::{AssertSqlSafe, SqlSafeStr, SqlStr};
 
@@ -49,20 +50,18 @@ impl Query {
         self
     }
 
-    pub(in super::super) async fn execute(self, on: impl Into<On<'_>>) -> sqlx::Result<Done> {
-        let Self { text, values } = self;
-        match on.into() {
-            On::Sqlite(on) => on.execute(text, values).await,
-            On::Postgres(on) => on.execute(text, values).await,
-        }
+    pub(in super::super) fn execute<'c>(
+        self,
+        on: impl Into<On<'c>>,
+    ) -> BoxFuture<'c, sqlx::Result<Done>> {
+        self.execute_on(on.into())
     }
 
-    pub(in super::super) async fn fetch_all(self, on: impl Into<On<'_>>) -> sqlx::Result<Vec<Row>> {
-        let Self { text, values } = self;
-        match on.into() {
-            On::Sqlite(on) => on.fetch_all(text, values).await,
-            On::Postgres(on) => on.fetch_all(text, values).await,
-        }
+    pub(in super::super) fn fetch_all<'c>(
+        self,
+        on: impl Into<On<'c>>,
+    ) -> BoxFuture<'c, sqlx::Result<Vec<Row>>> {
+        self.fetch_all_on(on.into())
     }
 
     pub(super) async fn fetch_one(self, on: impl Into<On<'_>>) -> sqlx::Result<Row> {
@@ -70,11 +69,34 @@ impl Query {
         row.ok_or(sqlx::Error::RowNotFound)
     }
 
-    async fn fetch_optional(self, on: impl Into<On<'_>>) -> sqlx::Result<Option<Row>> {
+    fn fetch_optional<'c>(self, on: impl Into<On<'c>>) -> BoxFuture<'c, sqlx::Result<Option<Row>>> {
+        self.fetch_optional_on(on.into())
+    }
+
+    // Boxes, for what is awaited is compiled anew in every unit of code that awaits it: with the whole driver
+    // below, without them.
+
+    fn execute_on(self, on: On<'_>) -> BoxFuture<'_, sqlx::Result<Done>> {
         let Self { text, values } = self;
-        match on.into() {
-            On::Sqlite(on) => on.fetch_optional(text, values).await,
-            On::Postgres(on) => on.fetch_optional(text, values).await,
+        match on {
+            On::Sqlite(on) => Box::pin(on.execute(text, values)),
+            On::Postgres(on) => Box::pin(on.execute(text, values)),
+        }
+    }
+
+    fn fetch_all_on(self, on: On<'_>) -> BoxFuture<'_, sqlx::Result<Vec<Row>>> {
+        let Self { text, values } = self;
+        match on {
+            On::Sqlite(on) => Box::pin(on.fetch_all(text, values)),
+            On::Postgres(on) => Box::pin(on.fetch_all(text, values)),
+        }
+    }
+
+    fn fetch_optional_on(self, on: On<'_>) -> BoxFuture<'_, sqlx::Result<Option<Row>>> {
+        let Self { text, values } = self;
+        match on {
+            On::Sqlite(on) => Box::pin(on.fetch_optional(text, values)),
+            On::Postgres(on) => Box::pin(on.fetch_optional(text, values)),
         }
     }
 

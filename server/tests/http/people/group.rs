@@ -3,6 +3,7 @@
 //! Ada administers. Anna and Bert are members of the group Paper, Gina a guest of it; Carl is a member
 //! of no group.
 use axum::http::HeaderMap;
+use futures_util::future::BoxFuture;
 use loadframe_api::people::{
     Acceptance, Named, NewInvitation, NewProject, NewShare, NewToken, ProjectView, Role, Scope,
     Visibility,
@@ -40,30 +41,40 @@ impl Group {
     }
 
     /// Makes the server a group's.
-    pub(crate) async fn of(lab: Lab) -> Self {
-        let first = lab.store.create_first_administrator("Ada", PASSWORD).await;
-        let ada = signed_in(&lab, first.expect("an administrator").id, "Ada").await;
-        let paper = lab.store.create_group("Paper").await.expect("a group").id;
-        let anna = invited(&lab, "Anna", Role::Member, &[paper]).await;
-        let bert = invited(&lab, "Bert", Role::Member, &[paper]).await;
-        let carl = invited(&lab, "Carl", Role::Member, &[]).await;
-        let gina = invited(&lab, "Gina", Role::Guest, &[paper]).await;
-        Self {
-            lab,
-            paper,
-            ada,
-            anna,
-            bert,
-            carl,
-            gina,
-        }
+    pub(crate) fn of(lab: Lab) -> BoxFuture<'static, Self> {
+        Box::pin(async move {
+            let first = lab.store.create_first_administrator("Ada", PASSWORD).await;
+            let ada = signed_in(&lab, first.expect("an administrator").id, "Ada").await;
+            let paper = lab.store.create_group("Paper").await.expect("a group").id;
+            let anna = invited(&lab, "Anna", Role::Member, &[paper]).await;
+            let bert = invited(&lab, "Bert", Role::Member, &[paper]).await;
+            let carl = invited(&lab, "Carl", Role::Member, &[]).await;
+            let gina = invited(&lab, "Gina", Role::Guest, &[paper]).await;
+            Self {
+                lab,
+                paper,
+                ada,
+                anna,
+                bert,
+                carl,
+                gina,
+            }
+        })
     }
 
     /// A request as the page of this server sends it.
-    pub(crate) async fn send(&self, by: &Somebody, method: &str, path: &str, body: &str) -> Answer {
-        let (name, value) = &by.known_by;
-        let headers = [(*name, &**value), ("origin", "http://localhost"), JSON];
-        self.lab.send(request(method, path, &headers, body)).await
+    pub(crate) fn send<'a>(
+        &'a self,
+        by: &'a Somebody,
+        method: &'a str,
+        path: &'a str,
+        body: &'a str,
+    ) -> BoxFuture<'a, Answer> {
+        Box::pin(async move {
+            let (name, value) = &by.known_by;
+            let headers = [(*name, &**value), ("origin", "http://localhost"), JSON];
+            self.lab.send(request(method, path, &headers, body)).await
+        })
     }
 
     pub(crate) async fn get(&self, by: &Somebody, path: &str) -> Answer {
@@ -78,53 +89,67 @@ impl Group {
         id_of(&answer.json())
     }
 
-    pub(crate) async fn project(
-        &self,
-        by: &Somebody,
+    pub(crate) fn project<'a>(
+        &'a self,
+        by: &'a Somebody,
         visibility: Visibility,
         group: Option<Uuid>,
-    ) -> ProjectView {
-        let new = NewProject {
-            name: "a project".to_owned(),
-            visibility,
-            group,
-        };
-        let made = self.lab.store.create_project(by.id, new).await;
-        made.expect("a project")
+    ) -> BoxFuture<'a, ProjectView> {
+        Box::pin(async move {
+            let new = NewProject {
+                name: "a project".to_owned(),
+                visibility,
+                group,
+            };
+            let made = self.lab.store.create_project(by.id, new).await;
+            made.expect("a project")
+        })
     }
 
     /// A token of somebody.
-    pub(crate) async fn token(&self, of: &Somebody, scope: Scope) -> (Somebody, Uuid) {
-        let new = NewToken {
-            name: "a token".to_owned(),
-            scope,
-            days: None,
-        };
-        let made = self.lab.store.create_token(Some(of.id), new).await;
-        let made = made.expect("a token");
-        let known_by = ("authorization", format!("Bearer {}", made.secret));
-        (
-            Somebody {
-                known_by,
-                ..of.clone()
-            },
-            made.id,
-        )
+    pub(crate) fn token<'a>(
+        &'a self,
+        of: &'a Somebody,
+        scope: Scope,
+    ) -> BoxFuture<'a, (Somebody, Uuid)> {
+        Box::pin(async move {
+            let new = NewToken {
+                name: "a token".to_owned(),
+                scope,
+                days: None,
+            };
+            let made = self.lab.store.create_token(Some(of.id), new).await;
+            let made = made.expect("a token");
+            let known_by = ("authorization", format!("Bearer {}", made.secret));
+            (
+                Somebody {
+                    known_by,
+                    ..of.clone()
+                },
+                made.id,
+            )
+        })
     }
 
     /// Whoever has a link of somebody.
-    pub(crate) async fn link(&self, of: &Somebody, shown: NewShare) -> (Somebody, Uuid) {
-        let made = self.lab.store.create_share(of.id, shown).await;
-        let made = made.expect("a link");
-        let (_, secret) = made.path.split_once('#').expect("a secret");
-        let known_by = ("authorization", format!("Bearer {secret}"));
-        (
-            Somebody {
-                known_by,
-                ..of.clone()
-            },
-            made.id,
-        )
+    pub(crate) fn link<'a>(
+        &'a self,
+        of: &'a Somebody,
+        shown: NewShare,
+    ) -> BoxFuture<'a, (Somebody, Uuid)> {
+        Box::pin(async move {
+            let made = self.lab.store.create_share(of.id, shown).await;
+            let made = made.expect("a link");
+            let (_, secret) = made.path.split_once('#').expect("a secret");
+            let known_by = ("authorization", format!("Bearer {secret}"));
+            (
+                Somebody {
+                    known_by,
+                    ..of.clone()
+                },
+                made.id,
+            )
+        })
     }
 }
 
