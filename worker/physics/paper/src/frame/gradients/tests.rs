@@ -77,9 +77,9 @@ fn the_cycle_is_symmetric_and_takes_from_every_error_also_with_an_older_factor_o
             }
             let [a, b] = [2.0_f64, 3.0].map(|square| scattered(&operator, square.sqrt()));
             let mut moved = a.clone();
-            let own = cycle.solve(&mut operator, &team, &a, &mut moved);
+            let own = cycle.solve(&operator, &team, &a, &mut moved);
             let with_other = product(&b, &moved);
-            cycle.solve(&mut operator, &team, &b, &mut moved);
+            cycle.solve(&operator, &team, &b, &mut moved);
             let other = product(&a, &moved);
             assert!(own > 0.0);
             assert!(
@@ -90,7 +90,7 @@ fn the_cycle_is_symmetric_and_takes_from_every_error_also_with_an_older_factor_o
             // e - M K e has less energy than e
             let mut forces = a.clone();
             let energy = operator.apply(&team, &a, &mut forces);
-            cycle.solve(&mut operator, &team, &forces, &mut moved);
+            cycle.solve(&operator, &team, &forces, &mut moved);
             let rest = a.iter().zip(&moved);
             let rest: Nodal<6> = rest
                 .map(|(a, moved)| std::array::from_fn(|motion| a[motion] - moved[motion]))
