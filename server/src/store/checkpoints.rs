@@ -6,7 +6,7 @@ use loadframe_api::worker::{CheckpointInfo, CheckpointQuery};
 use tokio::io::AsyncRead;
 
 use super::blobs::FileGuard;
-use super::database::{Connection, query, query_as, query_scalar, row};
+use super::database::{Connection, Query, Row, first_column, query, query_as, query_scalar, row};
 use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
@@ -67,6 +67,17 @@ impl CheckpointRow {
             cpu_s: self.cpu_s,
         })
     }
+}
+
+/// Contents of one checkpoint of a job, or of all.
+pub(super) fn checkpoint_contents(job: i64, one: Option<i64>) -> Query {
+    let contents = query(
+        "SELECT sha256 FROM checkpoints WHERE job = ?1 AND (?2 IS NULL OR seq = ?2)
+         UNION SELECT f.sha256 FROM checkpoint_files f
+            JOIN checkpoints c ON c.seq = f.checkpoint
+            WHERE c.job = ?1 AND (?2 IS NULL OR c.seq = ?2)",
+    );
+    contents.bind(job).bind(one)
 }
 
 /// Refuses times that no work takes.
@@ -300,8 +311,7 @@ impl Change {
         sent: &CheckpointQuery,
         bytes: u64,
     ) -> Result<CheckpointInfo> {
-        let attempt = self.extend(key, lease).await?;
-        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
+        let (attempt, job) = self.extend(key, lease).await?;
         if self.is_late(&attempt, job.seq, sent).await? {
             self.garbage([sent.sha256.clone()]);
             return self.newest_info(&attempt, job.seq).await;
@@ -395,18 +405,21 @@ impl Change {
 
     /// Removes one checkpoint of a job, or all.
     pub(super) async fn remove_checkpoints(&mut self, job: i64, one: Option<i64>) -> Result<()> {
-        let files: Vec<String> = query_scalar(
-            "SELECT sha256 FROM checkpoints WHERE job = ?1 AND (?2 IS NULL OR seq = ?2)
-             UNION SELECT f.sha256 FROM checkpoint_files f
-                JOIN checkpoints c ON c.seq = f.checkpoint
-                WHERE c.job = ?1 AND (?2 IS NULL OR c.seq = ?2)",
-        )
-        .bind(job)
-        .bind(one)
-        .fetch_all(&mut self.connection)
-        .await?;
+        let files = checkpoint_contents(job, one)
+            .fetch_all(&mut self.connection)
+            .await?;
+        self.remove_found_checkpoints(job, one, &files).await
+    }
+
+    /// The same where what [`checkpoint_contents`] gives is known.
+    pub(super) async fn remove_found_checkpoints(
+        &mut self,
+        job: i64,
+        one: Option<i64>,
+        files: &[Row],
+    ) -> Result<()> {
         if !files.is_empty() {
-            self.garbage(files);
+            self.garbage(first_column::<String>(files)?);
             query("DELETE FROM checkpoints WHERE job = ?1 AND (?2 IS NULL OR seq = ?2)")
                 .bind(job)
                 .bind(one)

@@ -12,7 +12,7 @@ use futures_util::TryStreamExt;
 use loadframe_api::worker::ClaimRequest;
 use uuid::Uuid;
 
-use super::database::{query, query_as, query_scalar, row};
+use super::database::{FromRow, Query, Row, query, query_as, query_scalar};
 use super::encoding::json;
 use super::error::Result;
 use super::state::LifecycleRow;
@@ -27,16 +27,26 @@ const WAITING_SINCE: i64 = 5_000;
 /// A machine is much larger than another from so many times its memory on.
 const MUCH_LARGER: f64 = 2.0;
 
-row! {
-    /// A line whose jobs fit.
-    #[derive(Debug)]
-    struct Line {
-        priority: i32,
-        owner: Vec<u8>,
-        needs: i64,
-        kind: String,
-        /// Number of its first job.
-        head: i64,
+/// A line whose jobs fit.
+#[derive(Debug)]
+struct Line {
+    priority: i32,
+    owner: Vec<u8>,
+    needs: i64,
+    kind: String,
+    /// Its first job.
+    first: LifecycleRow,
+}
+
+impl FromRow for Line {
+    fn from_row(row: &Row) -> sqlx::Result<Self> {
+        Ok(Self {
+            priority: row.get(row.place("priority")?)?,
+            owner: row.get(row.place("owner")?)?,
+            needs: row.get(row.place("needs")?)?,
+            kind: row.get(row.place("kind")?)?,
+            first: LifecycleRow::from_row(row)?,
+        })
     }
 }
 
@@ -47,24 +57,38 @@ impl Line {
     }
 }
 
+/// A person, their use of the lab so far, when an attempt at their job began, on how many threads, and whether
+/// they have a limit of running jobs.
+pub(super) type Charge = (Uuid, Option<f64>, i64, i64, bool);
+
+/// To whom an attempt is charged: a [`Charge`], if its job is somebody's.
+pub(super) fn to_charge(attempt: i64) -> Query {
+    let found = query(
+        "SELECT p.id, p.use_level, a.started_at, a.threads, p.most_running IS NOT NULL
+         FROM attempts a JOIN jobs j ON j.seq = a.job JOIN people p ON p.id = j.owner
+         WHERE a.seq = ?",
+    );
+    found.bind(attempt)
+}
+
 impl Change {
-    /// The job that a worker is to have next, if one fits it.
-    pub(super) async fn next_job(&mut self, worker: &ClaimRequest) -> Result<Option<LifecycleRow>> {
-        let standings = self.standings().await?;
+    /// The job that a worker is to have next, if one fits it; `has_people`: jobs are somebody's.
+    pub(super) async fn next_job(
+        &mut self,
+        worker: &ClaimRequest,
+        has_people: bool,
+    ) -> Result<Option<LifecycleRow>> {
+        let standings = match has_people {
+            true => self.standings().await?,
+            false => Vec::new(),
+        };
         for with_faults in [false, true] {
             let mut lines = self.first_lines(worker, &standings, with_faults).await?;
             while let Some(line) = self.take_next(&mut lines, &standings) {
                 if self.is_left_to_a_smaller(worker, &line).await? {
                     continue;
                 }
-                let job = query_as(
-                    "SELECT seq, id, status, outcome, asked, losses, attempt, version
-                     FROM jobs WHERE seq = ?",
-                )
-                .bind(line.head)
-                .fetch_one(&mut self.connection)
-                .await?;
-                return Ok(Some(job));
+                return Ok(Some(line.first));
             }
         }
         Ok(None)
@@ -74,7 +98,7 @@ impl Change {
     fn take_next(&self, lines: &mut Vec<Line>, standings: &[Standing]) -> Option<Line> {
         let candidates: Vec<_> = lines
             .iter()
-            .map(|line| (line.person(), line.head))
+            .map(|line| (line.person(), line.first.seq))
             .collect();
         let next = turns::next(&candidates, standings, self.now.as_millis());
         next.map(|index| lines.swap_remove(index))
@@ -92,7 +116,8 @@ impl Change {
         let at_limit: Vec<Uuid> = at_limit.map(|standing| standing.person).collect();
         // in the order of the key, so that lines of lower priorities are not even read
         let mut rows = query_as(
-            "SELECT f.priority, f.owner, f.needs, f.kind, f.head
+            "SELECT f.priority, f.owner, f.needs, f.kind,
+                    j.seq, j.id, j.status, j.outcome, j.asked, j.losses, j.attempt, j.version
              FROM (SELECT l.priority, l.owner, l.needs, l.kind,
                 (SELECT b.seq FROM jobs b INDEXED BY jobs_waiting_alike
                  WHERE b.status = 'queued' AND b.priority = l.priority
@@ -106,7 +131,8 @@ impl Change {
                 AND n.core_s <= COALESCE(?6, n.core_s) AND n.threads <= ?7
                 AND n.release <= COALESCE(?8, n.release)
                 AND l.owner NOT IN (SELECT unhex(value) FROM json_each(?9))) f
-             WHERE f.head IS NOT NULL ORDER BY f.priority DESC",
+                CROSS JOIN jobs j
+             WHERE j.seq = f.head ORDER BY f.priority DESC",
         )
         .bind(with_faults)
         .bind(&worker.host)
@@ -179,7 +205,7 @@ impl Change {
                     AND NOT EXISTS (SELECT 1 FROM job_faults f
                         WHERE f.job = ?1 AND f.host = w.host))",
         )
-        .bind(line.head)
+        .bind(line.first.seq)
         .bind(line.needs)
         .bind(now - LEFT_FOR)
         .bind(now - WAITING_SINCE)
@@ -191,19 +217,11 @@ impl Change {
         Ok(is_left)
     }
 
-    /// Charges an attempt that has ended to the person whose job it was.
-    pub(super) async fn charge(&mut self, attempt: i64) -> Result<()> {
-        let found: Option<(Uuid, Option<f64>, i64, i64, bool)> = query_as(
-            "SELECT p.id, p.use_level, a.started_at, a.threads, p.most_running IS NOT NULL
-             FROM attempts a JOIN jobs j ON j.seq = a.job JOIN people p ON p.id = j.owner
-             WHERE a.seq = ?",
-        )
-        .bind(attempt)
-        .fetch_optional(&mut self.connection)
-        .await?;
-        let Some((person, level, started_at, threads, has_limit)) = found else {
-            return Ok(());
-        };
+    /// Charges an attempt that has ended to the person whose job it was, as [`to_charge`] tells.
+    pub(super) async fn charge(
+        &mut self,
+        (person, level, started_at, threads, has_limit): Charge,
+    ) -> Result<()> {
         if has_limit {
             // another job of theirs may have waited for this alone
             self.queued();

@@ -10,7 +10,7 @@ use super::Store;
 use super::calls::Waiting;
 use super::checkpoints::CheckpointRow;
 use super::clock::millis;
-use super::database::{query_as, query_scalar, row};
+use super::database::{FromRow, Query, query, query_scalar, row};
 use super::encoding::variant;
 use super::error::{Result, StoreError};
 use super::jobs::limits;
@@ -34,6 +34,8 @@ row! {
         is_new: bool,
         /// It has a live lease that it never used.
         has_unused: bool,
+        /// Jobs are somebody's.
+        has_people: bool,
     }
 }
 
@@ -103,34 +105,24 @@ impl Change {
         worker: &ClaimRequest,
         lease: i64,
     ) -> Result<Option<(ClaimedJob, Option<CheckpointInfo>)>> {
-        let mut look = self.look(worker).await?;
+        let mut look = self.look_and_register(worker).await?;
         if look.is_set_aside && look.is_new {
             // somebody may have seen to the machine
             self.end_pause(worker).await?;
             look.is_set_aside = false;
         }
-        self.register_worker(worker).await?;
         let unused = match look.has_unused {
             true => self.unused_lease(worker.worker_id, lease).await?,
             false => None,
         };
-        let attempt = match unused {
-            Some(attempt) => attempt,
+        let claimed = match unused {
+            Some(claimed) => claimed,
             None if look.is_set_aside || !look.has_jobs => return Ok(None),
-            None => match self.next_job(worker).await? {
+            None => match self.next_job(worker, look.has_people).await? {
                 Some(job) => self.start_attempt(worker, &job, lease).await?,
                 None => return Ok(None),
             },
         };
-        let claimed: ClaimedJob = query_as(
-            "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
-                    j.spec_sha256, j.seq AS job_row, a.points, j.estimate, j.overrun_factor
-             FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
-             WHERE a.seq = ?",
-        )
-        .bind(attempt)
-        .fetch_one(&mut self.connection)
-        .await?;
         let engine = &worker.engine_version;
         let connection = &mut self.connection;
         let newest = match claimed.number {
@@ -144,36 +136,57 @@ impl Change {
         Ok(Some((claimed, checkpoint)))
     }
 
-    /// What there is for a worker, in one statement: most that ask get nothing.
-    async fn look(&mut self, worker: &ClaimRequest) -> Result<Look> {
-        let look = query_as(
+    /// What there is for a worker, and notes that it asks, in one go: most that ask get nothing.
+    async fn look_and_register(&mut self, worker: &ClaimRequest) -> Result<Look> {
+        let look = query(
             "SELECT EXISTS (SELECT 1 FROM waiting_lines) AS has_jobs,
                     EXISTS (SELECT 1 FROM machines WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
                         AS is_set_aside,
                     NOT EXISTS (SELECT 1 FROM workers WHERE id = ?1) AS is_new,
                     EXISTS (SELECT 1 FROM attempts WHERE worker = ?1 AND ended_at IS NULL AND heard = FALSE)
-                        AS has_unused",
+                        AS has_unused,
+                    EXISTS (SELECT 1 FROM people) AS has_people",
         )
         .bind(worker.worker_id)
         .bind(&worker.host)
         .bind(&worker.name)
-        .bind(self.now.as_millis())
-        .fetch_one(&mut self.connection)
-        .await?;
-        Ok(look)
+        .bind(self.now.as_millis());
+        let statements = vec![look, self.worker_registered(worker)?];
+        let rows = self.connection.run_all(statements).await?;
+        let look = rows.first().and_then(|rows| rows.first());
+        Ok(Look::from_row(look.ok_or(sqlx::Error::RowNotFound)?)?)
     }
 
-    /// A live lease of the worker that it never used, extended.
-    async fn unused_lease(&mut self, worker: Uuid, lease: i64) -> Result<Option<i64>> {
-        let attempt = query_scalar(
+    /// What a live lease of the worker that it never used is of; it is extended.
+    async fn unused_lease(&mut self, worker: Uuid, lease: i64) -> Result<Option<ClaimedJob>> {
+        let attempt: Option<Uuid> = query_scalar(
             "UPDATE attempts SET lease_until = ?1
-             WHERE worker = ?2 AND ended_at IS NULL AND heard = FALSE RETURNING seq",
+             WHERE worker = ?2 AND ended_at IS NULL AND heard = FALSE RETURNING id",
         )
         .bind(self.now.as_millis() + lease)
         .bind(worker)
         .fetch_optional(&mut self.connection)
         .await?;
-        Ok(attempt)
+        match attempt {
+            Some(attempt) => Ok(Some(self.claimed(Vec::new(), attempt).await?)),
+            None => Ok(None),
+        }
+    }
+
+    /// Runs `statements`, and tells what an attempt is of then.
+    async fn claimed(&mut self, mut statements: Vec<Query>, attempt: Uuid) -> Result<ClaimedJob> {
+        let claimed = query(
+            "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
+                    j.spec_sha256, j.seq AS job_row, a.points, j.estimate, j.overrun_factor
+             FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
+             WHERE a.id = ?",
+        );
+        statements.push(claimed.bind(attempt));
+        let rows = self.connection.run_all(statements).await?;
+        let claimed = rows.last().and_then(|rows| rows.first());
+        Ok(ClaimedJob::from_row(
+            claimed.ok_or(sqlx::Error::RowNotFound)?,
+        )?)
     }
 
     /// Starts an attempt at a queued job; the files of its checkpoint, if it has one, are carried
@@ -183,7 +196,7 @@ impl Change {
         worker: &ClaimRequest,
         job: &LifecycleRow,
         lease: i64,
-    ) -> Result<i64> {
+    ) -> Result<ClaimedJob> {
         let why = format!("running on {} ({})", worker.name, worker.host);
         self.step(job, Input::Claim, Some(why), None).await?;
         let engine = &worker.engine_version;
@@ -192,8 +205,8 @@ impl Change {
             0 => None,
             _ => CheckpointRow::newest(&mut self.connection, job.seq, engine, None).await?,
         };
-        let number = job.attempt + 1;
-        let attempt: i64 = query_scalar(
+        let (id, number) = (Uuid::now_v7(), job.attempt + 1);
+        let started = query(
             "INSERT INTO attempts (seq, id, token, job, number, worker, worker_name, host, started_at,
                                    lease_until, resumed_wall_s, engine, threads)
              -- a number that no attempt in the trash has, either
@@ -202,7 +215,7 @@ impl Change {
                      ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)
              RETURNING seq",
         )
-        .bind(Uuid::now_v7())
+        .bind(id)
         .bind(Uuid::new_v4())
         .bind(job.seq)
         .bind(number)
@@ -213,18 +226,20 @@ impl Change {
         .bind(self.now.as_millis() + lease)
         .bind(newest.as_ref().map_or(0.0, |newest| newest.wall_s))
         .bind(engine)
-        .bind(worker.threads)
-        .fetch_one(&mut self.connection)
-        .await?;
+        .bind(worker.threads);
+        if job.attempt == 0 {
+            return self.claimed(vec![started], id).await;
+        }
+        let rows = started.fetch_all(&mut self.connection).await?;
+        let attempt: i64 = rows.first().ok_or(sqlx::Error::RowNotFound)?.get(0)?;
         match &newest {
             Some(newest) => {
                 self.carry_over(attempt, newest).await?;
                 self.carry_curve_over(attempt, newest).await?;
             }
-            None if job.attempt > 0 => self.tell_of_other_builds(job, number, engine).await?,
-            None => {}
+            None => self.tell_of_other_builds(job, number, engine).await?,
         }
-        Ok(attempt)
+        self.claimed(Vec::new(), id).await
     }
 }
 

@@ -8,7 +8,7 @@ use loadframe_api::worker::{
 use loadframe_api::{Estimate, FileEntry, JobOutcome, sha256_hex};
 use serde::Serialize;
 
-use super::database::{query, query_as};
+use super::database::{FromRow, Row, query, query_as};
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
@@ -128,6 +128,18 @@ pub(super) fn digest(route: &str, message: &impl Serialize) -> Result<String> {
     Ok(sha256_hex(format!("{route} {}", json(message)?).as_bytes()))
 }
 
+/// The outcome must be one of the spec that was `submitted`.
+fn check_outcome(submitted: &[Row], request: &CompleteRequest) -> Result<()> {
+    let row = submitted.first().ok_or(sqlx::Error::RowNotFound)?;
+    let (kind, spec_sha256): (String, String) = FromRow::from_row(row)?;
+    let outcome = &request.outcome;
+    if outcome.kind.name() != kind || outcome.provenance.spec_sha256 != spec_sha256 {
+        let sentence = format!("the outcome is not of this job's spec {spec_sha256}");
+        return Err(StoreError::Invalid(sentence));
+    }
+    Ok(())
+}
+
 impl Change {
     /// Ends the attempt of `key` by `input`; `None` when this same message has ended it before.
     pub(super) async fn end(
@@ -137,12 +149,11 @@ impl Change {
         input: Input,
         why: Option<String>,
     ) -> Result<Option<(LifecycleRow, LeasedAttempt, State)>> {
-        let attempt = LeasedAttempt::find(&mut self.connection, key).await?;
+        let (attempt, job) = LeasedAttempt::with_job(&mut self.connection, key).await?;
         if attempt.ended_at.is_some() {
             let is_repeated = attempt.ended_by.as_ref() == Some(&message);
             return is_repeated.then_some(None).ok_or(StoreError::LeaseLost);
         }
-        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         // the worker's reason is that of its failure; who asked to cancel knows why
         let why = why.filter(|_| matches!(job.asked(), Ok(None)));
         let ending = Ending {
@@ -171,8 +182,15 @@ impl Change {
         if state != State::Finished(JobOutcome::Succeeded) {
             return Ok(());
         }
-        self.check_outcome(&job, request).await?;
-        self.publish(&attempt, &request.files).await?;
+        let submitted = query("SELECT kind, spec_sha256 FROM jobs WHERE seq = ?").bind(job.seq);
+        let uploaded = query("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?");
+        let statements = vec![submitted, uploaded.bind(attempt.seq)];
+        let rows = self.connection.run_all(statements).await?;
+        let [submitted, uploaded] = rows.as_slice() else {
+            return Err(sqlx::Error::RowNotFound.into());
+        };
+        check_outcome(submitted, request)?;
+        self.publish(&attempt, uploaded, &request.files).await?;
         query("INSERT INTO results (job, attempt, summary, outcome) VALUES (?, ?, ?, ?)")
             .bind(job.seq)
             .bind(attempt.number)
@@ -183,23 +201,13 @@ impl Change {
         Ok(())
     }
 
-    /// The outcome must be one of this job's spec.
-    async fn check_outcome(&mut self, job: &LifecycleRow, request: &CompleteRequest) -> Result<()> {
-        let (kind, spec_sha256): (String, String) =
-            query_as("SELECT kind, spec_sha256 FROM jobs WHERE seq = ?")
-                .bind(job.seq)
-                .fetch_one(&mut self.connection)
-                .await?;
-        let outcome = &request.outcome;
-        if outcome.kind.name() != kind || outcome.provenance.spec_sha256 != spec_sha256 {
-            let sentence = format!("the outcome is not of this job's spec {spec_sha256}");
-            return Err(StoreError::Invalid(sentence));
-        }
-        Ok(())
-    }
-
-    /// Makes the attempt's files exactly those of the result.
-    async fn publish(&mut self, attempt: &LeasedAttempt, files: &[FileEntry]) -> Result<()> {
+    /// Makes the attempt's files exactly those of the result; `uploaded` is what it has.
+    async fn publish(
+        &mut self,
+        attempt: &LeasedAttempt,
+        uploaded: &[Row],
+        files: &[FileEntry],
+    ) -> Result<()> {
         if !files.iter().any(|file| file.name == OUTCOME_FILE) {
             let sentence = format!("{OUTCOME_FILE} is missing among the files");
             return Err(StoreError::Invalid(sentence));
@@ -217,15 +225,11 @@ impl Change {
                 return Err(StoreError::Invalid(sentence));
             }
         }
-        let uploaded: Vec<(String, i64, String)> =
-            query_as("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?")
-                .bind(attempt.seq)
-                .fetch_all(&mut self.connection)
-                .await?;
-        let mut uploaded: HashMap<String, (i64, String)> = uploaded
-            .into_iter()
-            .map(|(name, bytes, sha256)| (name, (bytes, sha256)))
-            .collect();
+        let uploaded = uploaded.iter().map(|row| {
+            let (name, bytes, sha256) = FromRow::from_row(row)?;
+            Ok((name, (bytes, sha256)))
+        });
+        let mut uploaded: HashMap<String, (i64, String)> = uploaded.collect::<sqlx::Result<_>>()?;
         for file in files {
             let found = uploaded.remove(&file.name);
             let is_same = found.is_some_and(|(bytes, sha256)| {

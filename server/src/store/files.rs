@@ -4,7 +4,7 @@ use tokio::io::AsyncRead;
 use uuid::Uuid;
 
 use super::blobs::{FileGuard, Received};
-use super::database::{query, query_as, query_scalar};
+use super::database::{first_column, query, query_as, query_scalar};
 use super::encoding::entry;
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
@@ -197,24 +197,22 @@ impl Store {
 
 impl Change {
     async fn add_file(&mut self, key: LeaseKey, lease: i64, file: &FileEntry) -> Result<()> {
-        let attempt = self.extend(key, lease).await?;
-        let replaced: Option<String> =
-            query_scalar("SELECT sha256 FROM attempt_files WHERE attempt = ? AND name = ?")
-                .bind(attempt.seq)
-                .bind(&file.name)
-                .fetch_optional(&mut self.connection)
-                .await?;
-        self.garbage(replaced);
-        query(
+        let (attempt, _) = self.extend(key, lease).await?;
+        let replaced = query("SELECT sha256 FROM attempt_files WHERE attempt = ? AND name = ?")
+            .bind(attempt.seq)
+            .bind(&file.name);
+        let added = query(
             "INSERT INTO attempt_files (attempt, name, bytes, sha256)
              VALUES (?, ?, ?, ?)",
         )
         .bind(attempt.seq)
         .bind(&file.name)
         .bind(i64::try_from(file.bytes).unwrap_or(i64::MAX))
-        .bind(&file.sha256)
-        .execute(&mut self.connection)
-        .await?;
+        .bind(&file.sha256);
+        let rows = self.connection.run_all(vec![replaced, added]).await?;
+        for rows in &rows {
+            self.garbage(first_column::<String>(rows)?);
+        }
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 use loadframe_api::worker::{Command, ProgressReport};
 use uuid::Uuid;
 
-use super::database::{Connection, query, query_as, row};
+use super::database::{Connection, FromRow, Query, Row, query, query_as, row};
 use super::encoding::json;
 use super::error::{Result, StoreError};
 use super::state::LifecycleRow;
@@ -21,7 +21,6 @@ row! {
         pub(super) seq: i64,
         pub(super) token: Uuid,
         pub(super) number: u32,
-        pub(super) worker: Uuid,
         pub(super) worker_name: String,
         pub(super) host: String,
         /// The build of the worker.
@@ -37,22 +36,38 @@ row! {
     }
 }
 
+/// The attempt ?1 with the token ?2.
+const FOUND: &str = "SELECT a.seq, a.token, a.number, a.worker_name, a.host, a.engine, a.ended_at,
+        a.ended_by, a.columns, a.points, a.log_lines, j.id AS job
+     FROM attempts a JOIN jobs j ON j.seq = a.job WHERE a.id = ?1 AND a.token = ?2";
+/// The job of the attempt ?1 with the token ?2.
+const JOB: &str = "SELECT j.seq, j.id, j.status, j.outcome, j.asked, j.losses, j.attempt, j.version
+     FROM attempts a JOIN jobs j ON j.seq = a.job WHERE a.id = ?1 AND a.token = ?2";
+
 impl LeasedAttempt {
     /// The attempt whose id and token `key` has, live or ended.
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`] when there is none.
     pub(super) async fn find(connection: &mut Connection, key: LeaseKey) -> Result<Self> {
-        query_as(
-            "SELECT a.seq, a.token, a.number, a.worker, a.worker_name, a.host, a.engine, a.ended_at,
-                    a.ended_by, a.columns, a.points, a.log_lines, j.id AS job
-             FROM attempts a JOIN jobs j ON j.seq = a.job WHERE a.id = ? AND a.token = ?",
-        )
-        .bind(key.id)
-        .bind(key.token)
-        .fetch_optional(connection)
-        .await?
-        .ok_or(StoreError::LeaseLost)
+        query_as(FOUND)
+            .bind(key.id)
+            .bind(key.token)
+            .fetch_optional(connection)
+            .await?
+            .ok_or(StoreError::LeaseLost)
+    }
+
+    /// [`Self::find`], with its job.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when there is none.
+    pub(super) async fn with_job(
+        connection: &mut Connection,
+        key: LeaseKey,
+    ) -> Result<(Self, LifecycleRow)> {
+        let found = query(FOUND).bind(key.id).bind(key.token);
+        leased(&connection.run_all(vec![found, job_of(key)]).await?, 1)
     }
 
     /// The attempt, if it is live.
@@ -69,27 +84,44 @@ impl LeasedAttempt {
     }
 }
 
+fn job_of(key: LeaseKey) -> Query {
+    query(JOB).bind(key.id).bind(key.token)
+}
+
+/// An attempt from the first of `rows`, and its job from those in this place.
+fn leased(rows: &[Vec<Row>], job: usize) -> Result<(LeasedAttempt, LifecycleRow)> {
+    let first = |place: usize| rows.get(place).and_then(|rows| rows.first());
+    let (Some(attempt), Some(job)) = (first(0), first(job)) else {
+        return Err(StoreError::LeaseLost);
+    };
+    Ok((
+        LeasedAttempt::from_row(attempt)?,
+        LifecycleRow::from_row(job)?,
+    ))
+}
+
 impl Change {
-    /// Extends a live lease, and notes that its worker is there.
+    /// Extends a live lease, and notes that its worker is there; the attempt and its job.
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`] when the lease is not held.
-    pub(super) async fn extend(&mut self, key: LeaseKey, lease: i64) -> Result<LeasedAttempt> {
-        let attempt: LeasedAttempt = query_as(
+    pub(super) async fn extend(
+        &mut self,
+        key: LeaseKey,
+        lease: i64,
+    ) -> Result<(LeasedAttempt, LifecycleRow)> {
+        let extended = query(
             "UPDATE attempts SET lease_until = ?, heard = TRUE
              WHERE id = ? AND token = ? AND ended_at IS NULL
-             RETURNING seq, token, number, worker, worker_name, host, engine, ended_at, ended_by,
+             RETURNING seq, token, number, worker_name, host, engine, ended_at, ended_by,
                        columns, points, log_lines,
                        (SELECT id FROM jobs WHERE jobs.seq = attempts.job) AS job",
         )
         .bind(self.now.as_millis() + lease)
         .bind(key.id)
-        .bind(key.token)
-        .fetch_optional(&mut self.connection)
-        .await?
-        .ok_or(StoreError::LeaseLost)?;
-        self.touch_worker(attempt.worker).await?;
-        Ok(attempt)
+        .bind(key.token);
+        let statements = vec![extended, self.worker_heard(key), job_of(key)];
+        leased(&self.connection.run_all(statements).await?, 2)
     }
 
     async fn report(
@@ -98,8 +130,7 @@ impl Change {
         lease: i64,
         report: &ProgressReport,
     ) -> Result<Command> {
-        let attempt = self.extend(key, lease).await?;
-        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
+        let (attempt, job) = self.extend(key, lease).await?;
         query("UPDATE jobs SET progress = ?, phase = ?, eta_s = ? WHERE seq = ?")
             .bind(report.progress)
             .bind(&report.phase)
@@ -110,10 +141,10 @@ impl Change {
         if let Some(block) = &report.points
             && self.append_points(&attempt, block).await?
         {
-            self.event(job.seq, job.id, EventType::Points).await?;
+            self.event(job.id, EventType::Points).await?;
         }
         self.append_report(&job, &attempt, report).await?;
-        self.event(job.seq, job.id, EventType::Progress).await?;
+        self.event(job.id, EventType::Progress).await?;
         Ok(UserRequest::command(job.asked()?))
     }
 }
@@ -197,8 +228,7 @@ impl Store {
         let lease = self.lease_millis();
         self.write_from_reserve(move |change| {
             Box::pin(async move {
-                let attempt = change.extend(key, lease).await?;
-                let job = LifecycleRow::of(&mut change.connection, attempt.job).await?;
+                let (_, job) = change.extend(key, lease).await?;
                 Ok(UserRequest::command(job.asked()?))
             })
         })

@@ -53,7 +53,7 @@ impl Change {
         request: &FaultRequest,
         pause: i64,
     ) -> Result<()> {
-        let attempt = LeasedAttempt::find(&mut self.connection, key).await?;
+        let (attempt, job) = LeasedAttempt::with_job(&mut self.connection, key).await?;
         if attempt.ended_at.is_some() {
             // a repetition, or a refusal
             let input = Input::Fault { machines: 0 };
@@ -64,7 +64,6 @@ impl Change {
         tracing::warn!(worker = %name, %host, code = ?request.code, reason = %request.reason,
             "a machine could not carry out a job and is set aside");
         self.set_aside(&attempt, request, pause).await?;
-        let job = LifecycleRow::of(&mut self.connection, attempt.job).await?;
         let machines = self.count_fault(&job, &attempt, &request.reason).await?;
         let line = format!("{name} ({host}) could not carry it out: {}", request.reason);
         self.append_log(&job, attempt.number, std::slice::from_ref(&line))

@@ -6,7 +6,9 @@
 use loadframe_api::{AttemptEnd, JobOutcome, JobStatus, PARTIAL_FOLDER, ReasonCode};
 use uuid::Uuid;
 
-use super::database::{Connection, query, query_as, query_scalar, row};
+use super::checkpoints::checkpoint_contents;
+use super::choice::to_charge;
+use super::database::{Connection, FromRow, query, query_as, query_scalar, row};
 use super::encoding::{variant, wire_name};
 use super::error::{Result, StoreError};
 use super::writer::{Change, EventType};
@@ -115,7 +117,7 @@ impl Change {
         let (status, outcome, asked, losses) = columns(step.state);
         let reason = why.or_else(|| step.reason.map(|code| sentence(code).to_owned()));
         let code = step.reason.map(|code| wire_name(&code)).transpose()?;
-        let updated = query(
+        let update = query(
             "UPDATE jobs SET
                 status = ?1, outcome = ?2, asked = ?3, losses = ?4,
                 reason_code = COALESCE(?5, reason_code), reason = COALESCE(?6, reason),
@@ -125,7 +127,7 @@ impl Change {
                 eta_s = CASE ?1 WHEN 'running' THEN eta_s END,
                 attempt = attempt + ?10,
                 started_at = CASE ?10 WHEN 1 THEN COALESCE(started_at, ?7) ELSE started_at END
-             WHERE seq = ?8 AND version = ?9",
+             WHERE seq = ?8 AND version = ?9 RETURNING seq",
         )
         .bind(wire_name(&status)?)
         .bind(outcome.map(|outcome| wire_name(&outcome)).transpose()?)
@@ -137,20 +139,22 @@ impl Change {
         .bind(job.seq)
         .bind(job.version)
         // a claim begins the next attempt
-        .bind(i64::from(input == Input::Claim))
-        .execute(&mut self.connection)
-        .await?;
-        if updated.rows_affected() != 1 {
+        .bind(i64::from(input == Input::Claim));
+        let mut statements = vec![update];
+        if matches!(step.state, State::Finished(outcome) if !keeps_checkpoint(outcome)) {
+            statements.push(checkpoint_contents(job.seq, None));
+        }
+        let rows = self.event_after(statements, job.id, EventType::Job).await?;
+        if rows.first().is_none_or(Vec::is_empty) {
             return Err(StoreError::Unavailable);
         }
-        match step.state {
-            State::Queued { .. } => self.queued(),
-            State::Finished(outcome) if !keeps_checkpoint(outcome) => {
-                self.remove_checkpoints(job.seq, None).await?;
-            }
-            _ => {}
+        if let Some(contents) = rows.get(1) {
+            self.remove_found_checkpoints(job.seq, None, contents)
+                .await?;
         }
-        self.event(job.seq, job.id, EventType::Job).await?;
+        if matches!(step.state, State::Queued { .. }) {
+            self.queued();
+        }
         Ok(step)
     }
 
@@ -164,20 +168,23 @@ impl Change {
     ) -> Result<()> {
         let ended = query(
             "UPDATE attempts SET ended_at = ?1, end_reason = ?2, ended_by = ?3
-             WHERE seq = ?4 AND token = ?5 AND ended_at IS NULL AND (NOT ?6 OR lease_until <= ?1)",
+             WHERE seq = ?4 AND token = ?5 AND ended_at IS NULL AND (NOT ?6 OR lease_until <= ?1)
+             RETURNING seq",
         )
         .bind(self.now.as_millis())
         .bind(wire_name(&end)?)
         .bind(&ending.message)
         .bind(ending.attempt)
         .bind(ending.token)
-        .bind(ending.expired)
-        .execute(&mut self.connection)
-        .await?;
-        if ended.rows_affected() != 1 {
+        .bind(ending.expired);
+        let statements = vec![ended, to_charge(ending.attempt)];
+        let rows = self.connection.run_all(statements).await?;
+        if rows.first().is_none_or(Vec::is_empty) {
             return Err(StoreError::LeaseLost);
         }
-        self.charge(ending.attempt).await?;
+        if let Some(charge) = rows.get(1).and_then(|rows| rows.first()) {
+            self.charge(FromRow::from_row(charge)?).await?;
+        }
         let completed = end == AttemptEnd::Completed;
         if matches!(end, AttemptEnd::Failed | AttemptEnd::TimedOut) {
             self.mark_partial(ending.attempt).await?;

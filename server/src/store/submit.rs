@@ -3,7 +3,7 @@ use loadframe_api::people::PersonLimits;
 use loadframe_api::{Estimate, JobView, ReasonCode, Submission};
 use uuid::Uuid;
 
-use super::database::{query, query_as, query_scalar, row};
+use super::database::{Query, query, query_as, query_scalar, row};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::people::takes_no_jobs;
@@ -17,12 +17,8 @@ use crate::queue::needs::Needs;
 const KEY: &str = "SELECT body_sha256, job FROM idempotency_keys WHERE key = ?";
 
 row! {
-    /// What a submission is checked by.
+    /// What the person who submits may use.
     struct Admission {
-        /// The row of its needs, if it has one.
-        needs: Option<i64>,
-        /// Who submits, and what that person may use.
-        person: Option<Uuid>,
         most_running: Option<u32>,
         most_queued_core_h: Option<f64>,
         most_disk_gb: Option<f64>,
@@ -183,6 +179,18 @@ impl Store {
     }
 }
 
+/// Makes a row of needs that no job had yet.
+fn row_of(needs: &Needs) -> Query {
+    let statement = query(
+        "INSERT INTO needs (memory_mb, disk_mb, core_s, threads, release)
+         SELECT ?1, ?2, ?3, ?4, ?5 WHERE NOT EXISTS (SELECT 1 FROM needs
+            WHERE memory_mb = ?1 AND disk_mb = ?2 AND core_s = ?3 AND threads = ?4 AND release = ?5)",
+    );
+    let statement = statement.bind(needs.memory_mb).bind(needs.disk_mb);
+    let statement = statement.bind(needs.core_s).bind(needs.threads);
+    statement.bind(needs.release)
+}
+
 /// The job of a key, when it is not there any more.
 fn gone(error: StoreError) -> StoreError {
     match error {
@@ -207,9 +215,11 @@ impl Change {
                 None => self.remember(key, job.id).await?,
             }
         }
-        let needs = self.admit(job).await?;
         let person = self.actor.as_ref().and_then(|actor| actor.person);
-        let (seq, project): (i64, Option<Uuid>) = query_as(
+        if let Some(person) = person {
+            self.admit(person, job).await?;
+        }
+        let row = query(
             // a job of before there were people is the first administrator's, also at the last moment
             "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
                                reason, created_at, updated_at, estimate, overrun_factor, owner,
@@ -219,8 +229,10 @@ impl Change {
                                ORDER BY created_at LIMIT 1)),
                 COALESCE(?14, (SELECT id FROM projects
                     WHERE person = ?13 AND archived_at IS NULL AND deleted_at IS NULL
-                    ORDER BY created_at, id LIMIT 1)), ?15, ?16)
-             RETURNING seq, project",
+                    ORDER BY created_at, id LIMIT 1)),
+                (SELECT id FROM needs WHERE memory_mb = ?15 AND disk_mb = ?16 AND core_s = ?17
+                    AND threads = ?18 AND release = ?19), ?20)
+             RETURNING project",
         )
         .bind(job.id)
         .bind(job.kind)
@@ -236,19 +248,22 @@ impl Change {
         .bind(job.overrun_factor)
         .bind(person)
         .bind(job.project)
-        .bind(needs)
-        .bind(job.threads)
-        .fetch_one(&mut self.connection)
-        .await?;
+        .bind(job.needs.memory_mb)
+        .bind(job.needs.disk_mb)
+        .bind(job.needs.core_s)
+        .bind(job.needs.threads)
+        .bind(job.needs.release)
+        .bind(job.threads);
+        let spec = query("INSERT INTO specs (job, json) SELECT seq, ?2 FROM jobs WHERE id = ?1")
+            .bind(job.id)
+            .bind(&job.spec);
+        let statements = vec![row_of(&job.needs), row, spec];
+        let rows = self.event_after(statements, job.id, EventType::Job).await?;
+        let row = rows.get(1).and_then(|rows| rows.first());
+        let project: Option<Uuid> = row.ok_or(sqlx::Error::RowNotFound)?.get(0)?;
         if person.is_some() && project.is_none() {
             return Err(takes_no_jobs());
         }
-        query("INSERT INTO specs (job, json) VALUES (?, ?)")
-            .bind(seq)
-            .bind(&job.spec)
-            .execute(&mut self.connection)
-            .await?;
-        self.event(seq, job.id, EventType::Job).await?;
         self.queued();
         self.audit("job.submitted", Some(job.id), &job.name).await?;
         Ok(job.id)
@@ -290,7 +305,7 @@ impl Change {
             self.audit("job.moved", Some(id), &detail).await?;
         }
         self.audit("job.changed", Some(id), "").await?;
-        self.event(job, id, EventType::Job).await?;
+        self.event(id, EventType::Job).await?;
         query("UPDATE jobs SET edited = version WHERE seq = ?")
             .bind(job)
             .execute(&mut self.connection)
@@ -298,56 +313,25 @@ impl Change {
         Ok(())
     }
 
-    /// Refuses a job that its person may not submit; the row of its needs.
-    async fn admit(&mut self, job: &NewJob) -> Result<i64> {
-        let person = self.actor.as_ref().and_then(|actor| actor.person);
-        let needs = &job.needs;
-        // in one statement, which every submission waits for
-        let known: Admission = query_as(
-            "SELECT (SELECT id FROM needs WHERE memory_mb = ?1 AND disk_mb = ?2 AND core_s = ?3
-                        AND threads = ?4 AND release = ?5) AS needs,
-                    p.id AS person, p.most_running, p.most_queued_core_h, p.most_disk_gb,
-                    COALESCE(p.may_hurry OR p.role = 'administrator', FALSE) AS may_hurry
-             FROM (SELECT 1 AS one) one LEFT JOIN people p ON p.id = ?6",
+    /// Refuses a job that its person may not submit.
+    async fn admit(&mut self, person: Uuid, job: &NewJob) -> Result<()> {
+        let known: Option<Admission> = query_as(
+            "SELECT most_running, most_queued_core_h, most_disk_gb,
+                    may_hurry OR role = 'administrator' AS may_hurry
+             FROM people WHERE id = ?",
         )
-        .bind(needs.memory_mb)
-        .bind(needs.disk_mb)
-        .bind(needs.core_s)
-        .bind(needs.threads)
-        .bind(needs.release)
         .bind(person)
-        .fetch_one(&mut self.connection)
+        .fetch_optional(&mut self.connection)
         .await?;
-        if let Some(person) = known.person {
-            let limits = PersonLimits {
-                running: known.most_running,
-                queued_core_h: known.most_queued_core_h,
-                disk_gb: known.most_disk_gb,
-                may_hurry: known.may_hurry,
-            };
-            self.check_limits(person, limits, job.priority, &job.estimate)
-                .await?;
-        }
-        match known.needs {
-            Some(needs) => Ok(needs),
-            None => self.new_needs(needs).await,
-        }
-    }
-
-    /// A row for needs that no job had yet.
-    async fn new_needs(&mut self, needs: &Needs) -> Result<i64> {
-        let id = query_scalar(
-            "INSERT INTO needs (memory_mb, disk_mb, core_s, threads, release)
-             VALUES (?, ?, ?, ?, ?) RETURNING id",
-        )
-        .bind(needs.memory_mb)
-        .bind(needs.disk_mb)
-        .bind(needs.core_s)
-        .bind(needs.threads)
-        .bind(needs.release)
-        .fetch_one(&mut self.connection)
-        .await?;
-        Ok(id)
+        let Some(known) = known else { return Ok(()) };
+        let limits = PersonLimits {
+            running: known.most_running,
+            queued_core_h: known.most_queued_core_h,
+            disk_gb: known.most_disk_gb,
+            may_hurry: known.may_hurry,
+        };
+        self.check_limits(person, limits, job.priority, &job.estimate)
+            .await
     }
 
     async fn remember(&mut self, key: &IdempotencyKey, job: Uuid) -> Result<()> {
@@ -395,7 +379,7 @@ impl Change {
             .bind(job.id)
             .execute(&mut self.connection)
             .await?;
-        self.event(job.seq, job.id, EventType::Deleted).await?;
+        self.event(job.id, EventType::Deleted).await?;
         query("UPDATE events SET owner = ?, project = ? WHERE job = ?")
             .bind(owner)
             .bind(project)

@@ -7,11 +7,11 @@ use loadframe_api::{Calibration, SetAside, Timestamp, WorkerView};
 use uuid::Uuid;
 
 use super::clock::millis;
-use super::database::{query, query_as, query_scalar, row};
+use super::database::{Query, query, query_as, query_scalar, row};
 use super::encoding::{json, variant};
 use super::error::Result;
 use super::writer::Change;
-use super::{Counts, Store};
+use super::{Counts, LeaseKey, Store};
 use crate::queue::needs::{believed, release};
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].
@@ -57,12 +57,12 @@ impl WorkerRow {
 
 impl Change {
     /// Notes that a worker asks for a job. One that asks again and again costs no commit each time.
-    pub(super) async fn register_worker(&mut self, worker: &ClaimRequest) -> Result<()> {
+    pub(super) fn worker_registered(&self, worker: &ClaimRequest) -> Result<Query> {
         let speed = believed(worker.calibration).map(|speed| speed.bond_evaluations_per_s);
         let left = worker.time_left_s.map(Duration::try_from_secs_f64);
         let left = left.and_then(std::result::Result::ok).map(millis);
         let ends_at = left.map(|left| self.now.as_millis().saturating_add(left));
-        query(
+        let registered = query(
             "INSERT INTO workers (id, name, host, threads, engine_version, bond_evaluations_per_s,
                                   last_seen_at, kinds, memory_mb, disk_mb, ends_at, release)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?9, ?10, ?11, ?12, ?13)
@@ -82,21 +82,20 @@ impl Change {
         .bind(worker.memory_mb)
         .bind(worker.disk_mb)
         .bind(ends_at)
-        .bind(release(&worker.engine_version))
-        .execute(&mut self.connection)
-        .await?;
-        Ok(())
+        .bind(release(&worker.engine_version));
+        Ok(registered)
     }
 
     /// Notes that a worker speaks under its lease.
-    pub(super) async fn touch_worker(&mut self, worker: Uuid) -> Result<()> {
-        query("UPDATE workers SET last_seen_at = ?1 WHERE id = ?2 AND last_seen_at < ?3")
-            .bind(self.now.as_millis())
-            .bind(worker)
-            .bind(self.now.as_millis() - HEARD_EVERY)
-            .execute(&mut self.connection)
-            .await?;
-        Ok(())
+    pub(super) fn worker_heard(&self, key: LeaseKey) -> Query {
+        query(
+            "UPDATE workers SET last_seen_at = ?1 WHERE last_seen_at < ?2
+                AND id = (SELECT worker FROM attempts WHERE id = ?3 AND token = ?4)",
+        )
+        .bind(self.now.as_millis())
+        .bind(self.now.as_millis() - HEARD_EVERY)
+        .bind(key.id)
+        .bind(key.token)
     }
 }
 

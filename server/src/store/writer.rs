@@ -20,7 +20,7 @@ use uuid::Uuid;
 
 use super::clock::Clock;
 use super::collector::Garbage;
-use super::database::{self, Connection, Database, News, raise};
+use super::database::{self, Connection, Database, News, Query, Row, raise};
 use super::error::{Result, StoreError};
 use super::people::{Actor, Line};
 use super::reserve::{Reserve, told_full};
@@ -95,12 +95,27 @@ impl EventType {
 }
 
 impl Change {
-    /// Notes that a job has changed. Its number becomes the version of the job.
-    pub(super) async fn event(&mut self, job: i64, id: Uuid, kind: EventType) -> Result<()> {
-        let at = self.now.as_millis();
-        let event = self.connection.event(job, id, kind.name(), at).await?;
-        self.effects.last_event = u64::try_from(event).ok();
+    /// Notes that a job has changed. The event's number becomes the version of the job.
+    pub(super) async fn event(&mut self, job: Uuid, kind: EventType) -> Result<()> {
+        self.event_after(Vec::new(), job, kind).await?;
         Ok(())
+    }
+
+    /// Runs `statements`, and notes that a job has changed by them; the rows of each. In one go, for others
+    /// wait until it is done.
+    pub(super) async fn event_after(
+        &mut self,
+        mut statements: Vec<Query>,
+        job: Uuid,
+        kind: EventType,
+    ) -> Result<Vec<Vec<Row>>> {
+        let at = self.now.as_millis();
+        statements.push(self.connection.event(job, kind.name(), at));
+        let mut rows = self.connection.run_all(statements).await?;
+        let event = rows.pop().unwrap_or_default();
+        let number: i64 = event.first().ok_or(sqlx::Error::RowNotFound)?.get(0)?;
+        self.effects.last_event = u64::try_from(number).ok();
+        Ok(rows)
     }
 
     /// Notes that a job is waiting in the queue.

@@ -15,6 +15,7 @@ mod postgres;
 mod sharing;
 mod sqlite;
 mod statement;
+mod together;
 mod value;
 mod whole;
 
@@ -34,8 +35,8 @@ pub(super) use sharing::{Held, News, Sharing, raise};
 pub(super) use sqlite::FILE;
 #[cfg(test)]
 pub(super) use sqlite::TEXTS;
-pub(super) use statement::{Builder, query, query_as, query_scalar};
-pub(super) use value::{FromRow, Kind, Row, row};
+pub(super) use statement::{Builder, Query, query, query_as, query_scalar};
+pub(super) use value::{FromRow, Kind, Row, first_column, row};
 
 /// Which database, and how it is reached.
 #[derive(Clone, Debug)]
@@ -318,21 +319,35 @@ impl Connection {
         Ok(())
     }
 
-    /// Numbers an event of the type `kind` about the job `id`, and makes that the version of the job in `row`
-    /// if it is still there; earlier events of the type about it are forgotten.
-    ///
-    /// # Errors
-    /// The database's.
-    pub(super) async fn event(&mut self, row: i64, id: Uuid, kind: &str, at: i64) -> Result<i64> {
+    /// Numbers an event of the type `kind` about the job `id`, and makes that the version of the job if it is
+    /// still there; earlier events of the type about it are forgotten. Gives the number.
+    pub(super) fn event(&self, id: Uuid, kind: &str, at: i64) -> Query {
         let text = match self {
             Self::Sqlite(_) => sqlite::EVENT,
             Self::Postgres(_) => postgres::EVENT,
         };
-        let event = query(text).bind(id).bind(kind).bind(at).bind(row);
-        match self {
-            Self::Sqlite(_) => Ok(event.execute(self).await?.last_number),
-            Self::Postgres(_) => Ok(event.fetch_one(self).await?.get(0)?),
-        }
+        query(text).bind(id).bind(kind).bind(at)
+    }
+
+    /// Runs statements one after the other, in one way to the database and back where it takes them together;
+    /// the rows of each.
+    ///
+    /// # Errors
+    /// The database's; those after the one that failed are then not run.
+    pub(super) fn run_all(
+        &mut self,
+        queries: Vec<Query>,
+    ) -> BoxFuture<'_, sqlx::Result<Vec<Vec<Row>>>> {
+        Box::pin(async move {
+            if let Self::Sqlite(link) = self {
+                return together::run(link, queries).await;
+            }
+            let mut rows = Vec::with_capacity(queries.len());
+            for query in queries {
+                rows.push(query.fetch_all(&mut *self).await?);
+            }
+            Ok(rows)
+        })
     }
 
     /// Whether a job was ever submitted.

@@ -27,14 +27,13 @@ pub(super) const TELL: &str = "SELECT pg_notify('loadframe_' || md5(current_sche
 pub(super) const CHANNEL: &str = "SELECT 'loadframe_' || md5(current_schema())";
 /// A transaction that sees the database as it is at one moment.
 pub(super) const SNAPSHOT: &str = "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY";
-/// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment,
-/// ?4 the job's row.
+/// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment.
 pub(super) const EVENT: &str = "WITH event AS (
         INSERT INTO events (job, type, at) VALUES (?1, ?2, ?3)
         ON CONFLICT (job, type) DO UPDATE SET
             seq = nextval(pg_get_serial_sequence('events', 'seq')), at = excluded.at, owner = NULL, project = NULL
         RETURNING seq),
-     told AS (UPDATE jobs SET version = (SELECT seq FROM event), updated_at = ?3 WHERE seq = ?4)
+     told AS (UPDATE jobs SET version = (SELECT seq FROM event), updated_at = ?3 WHERE id = ?1)
      SELECT seq FROM event";
 /// Whether a job was ever submitted.
 pub(super) const HAS_HAD_JOBS: &str = "SELECT is_called FROM jobs_seq_seq";
@@ -142,7 +141,6 @@ impl From<PgQueryResult> for Done {
     fn from(done: PgQueryResult) -> Self {
         Self {
             rows_affected: done.rows_affected(),
-            last_number: 0,
         }
     }
 }

@@ -27,10 +27,10 @@ const LOG_KEPT: &str = "67108864";
 pub(super) const BEGIN: &str = "BEGIN IMMEDIATE";
 /// The same, and its first savepoint.
 pub(super) const BEGIN_COMMANDS: &str = "BEGIN IMMEDIATE; SAVEPOINT command";
-/// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment,
-/// ?4 the job's row. Two statements in one go: every statement is a way to the connection's thread and back.
-pub(super) const EVENT: &str = "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3);
-     UPDATE jobs SET version = last_insert_rowid(), updated_at = ?3 WHERE seq = ?4";
+/// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment.
+pub(super) const EVENT: &str = "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3)
+     RETURNING seq;
+     UPDATE jobs SET version = last_insert_rowid(), updated_at = ?3 WHERE id = ?1";
 /// Whether a job was ever submitted.
 pub(super) const HAS_HAD_JOBS: &str =
     "SELECT EXISTS (SELECT 1 FROM sqlite_sequence WHERE name = 'jobs')";
@@ -128,7 +128,6 @@ impl From<SqliteQueryResult> for Done {
     fn from(done: SqliteQueryResult) -> Self {
         Self {
             rows_affected: done.rows_affected(),
-            last_number: done.last_insert_rowid(),
         }
     }
 }

@@ -16,8 +16,8 @@ use super::{Connection, On};
 /// A statement that is run for what it does.
 #[derive(Debug)]
 pub(in super::super) struct Query {
-    text: SqlStr,
-    values: Vec<Value>,
+    pub(super) text: SqlStr,
+    pub(super) values: Vec<Value>,
 }
 
 /// A statement whose rows are read as `R`.
@@ -62,11 +62,6 @@ impl Query {
         on: impl Into<On<'c>>,
     ) -> BoxFuture<'c, sqlx::Result<Vec<Row>>> {
         self.fetch_all_on(on.into())
-    }
-
-    pub(super) async fn fetch_one(self, on: impl Into<On<'_>>) -> sqlx::Result<Row> {
-        let row = self.fetch_optional(on).await?;
-        row.ok_or(sqlx::Error::RowNotFound)
     }
 
     fn fetch_optional<'c>(self, on: impl Into<On<'c>>) -> BoxFuture<'c, sqlx::Result<Option<Row>>> {

@@ -153,12 +153,18 @@ impl Row {
     }
 }
 
+/// The first column of rows.
+///
+/// # Errors
+/// When there is none, or it holds something else.
+pub(in super::super) fn first_column<T: Column>(rows: &[Row]) -> sqlx::Result<Vec<T>> {
+    rows.iter().map(|row| row.get(0)).collect()
+}
+
 /// What a statement has done.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Done {
     pub(super) rows_affected: u64,
-    /// The number that the last new row got, where the database tells.
-    pub(super) last_number: i64,
 }
 
 impl Done {

@@ -269,7 +269,7 @@ impl Change {
             .bind(id)
             .execute(&mut self.connection)
             .await?;
-        self.event(job, id, EventType::Job).await?;
+        self.event(id, EventType::Job).await?;
         self.queued();
         Ok(name)
     }
