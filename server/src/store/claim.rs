@@ -58,6 +58,9 @@ row! {
     }
 }
 
+/// A job, and the checkpoint that it goes on from.
+type Claimed = (ClaimedJob, Option<CheckpointInfo>);
+
 impl Store {
     /// Takes a place among the workers that wait for a job at this server.
     pub fn wait_in_line(&self, request: &ClaimRequest) -> Waiting {
@@ -71,9 +74,12 @@ impl Store {
     /// [`StoreError::Unavailable`] and the database's.
     pub async fn claim(&self, request: &ClaimRequest) -> Result<Option<Lease>> {
         let (worker, lease) = (request.clone(), self.lease_millis());
-        let claimed = self
+        let (is_new, claimed) = self
             .write(move |change| Box::pin(async move { change.claim(&worker, lease).await }))
             .await?;
+        if is_new {
+            self.forget_speed();
+        }
         let Some((claimed, checkpoint)) = claimed else {
             return Ok(None);
         };
@@ -100,12 +106,22 @@ impl Store {
 }
 
 impl Change {
+    /// Whether the worker asks for the first time, and what it gets.
     async fn claim(
         &mut self,
         worker: &ClaimRequest,
         lease: i64,
-    ) -> Result<Option<(ClaimedJob, Option<CheckpointInfo>)>> {
-        let mut look = self.look_and_register(worker).await?;
+    ) -> Result<(bool, Option<Claimed>)> {
+        let look = self.look_and_register(worker).await?;
+        Ok((look.is_new, self.claim_of(look, worker, lease).await?))
+    }
+
+    async fn claim_of(
+        &mut self,
+        mut look: Look,
+        worker: &ClaimRequest,
+        lease: i64,
+    ) -> Result<Option<Claimed>> {
         if look.is_set_aside && look.is_new {
             // somebody may have seen to the machine
             self.end_pause(worker).await?;

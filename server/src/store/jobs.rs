@@ -11,7 +11,7 @@ use serde::Deserialize;
 use uuid::Uuid;
 
 use super::Store;
-use super::database::{On, query_as, query_scalar, row};
+use super::database::{FromRow, On, Query, query, query_as, query_scalar, row};
 use super::encoding::{json, parsed, variant};
 use super::error::{Result, StoreError};
 
@@ -127,7 +127,7 @@ row! {
         threads: Option<u32>,
         owner: Option<Uuid>,
         owner_name: Option<String>,
-        project: Option<Uuid>,
+        pub(super) project: Option<Uuid>,
         project_name: Option<String>,
         summary: Option<String>,
         position: Option<i64>,
@@ -150,11 +150,23 @@ struct AttemptRow {
 impl JobRow {
     /// That of the job `id`.
     async fn of(on: impl Into<On<'_>>, id: Uuid) -> Result<Self> {
-        query_as(select_jobs!("jobs j WHERE j.id = ?"))
-            .bind(id)
-            .fetch_optional(on)
-            .await?
-            .ok_or_else(|| StoreError::NotFound(format!("job {id}")))
+        let rows = Self::query(id).fetch_all(on).await?;
+        Ok(match rows.first() {
+            Some(row) => Self::from_row(row)?,
+            None => return Err(StoreError::NotFound(format!("job {id}"))),
+        })
+    }
+
+    /// The statement that reads it.
+    pub(super) fn query(id: Uuid) -> Query {
+        query(select_jobs!("jobs j WHERE j.id = ?")).bind(id)
+    }
+
+    /// The view of a job whose spec is known.
+    pub(super) fn view_with_spec(self, spec: &str) -> Result<JobView> {
+        let mut view = self.view()?;
+        view.spec = Some(parsed(spec, "spec")?);
+        Ok(view)
     }
 
     pub(super) fn view(self) -> Result<JobView> {
@@ -239,19 +251,10 @@ impl Store {
             .bind(row.seq)
             .fetch_optional(&mut connection)
             .await?;
-        let mut view = row.view()?;
-        view.spec = match spec {
-            Some(text) => Some(parsed(&text, "spec")?),
-            None => return Err(StoreError::NotFound(format!("job {id}"))),
-        };
-        Ok(view)
-    }
-
-    /// The job, whose spec is known.
-    pub(super) async fn job_with_spec(&self, id: Uuid, spec: &str) -> Result<JobView> {
-        let mut view = JobRow::of(self.reads(), id).await?.view()?;
-        view.spec = Some(parsed(spec, "spec")?);
-        Ok(view)
+        match spec {
+            Some(spec) => row.view_with_spec(&spec),
+            None => Err(StoreError::NotFound(format!("job {id}"))),
+        }
     }
 
     /// Changes whenever [`Self::job`] does.

@@ -77,9 +77,9 @@ mod workers;
 mod writer;
 
 use std::fs::File;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-use loadframe_api::Timestamp;
+use loadframe_api::{Calibration, Timestamp};
 use tokio::sync::{OnceCell, watch};
 
 pub use backup::{BackupReport, backup, backup_from, restore, restore_to};
@@ -126,6 +126,8 @@ struct Inner {
     last_event: watch::Receiver<u64>,
     queued: watch::Receiver<u64>,
     calls: Arc<Calls>,
+    /// The speed of workers, and when it was read [ms since 1970].
+    speed: Mutex<Option<(i64, Option<Calibration>)>>,
     access: Arc<AccessState>,
     /// The key that secrets of webhooks follow from, once it is known.
     webhook_key: OnceCell<[u8; 32]>,

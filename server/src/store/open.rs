@@ -1,7 +1,7 @@
 //! Opening the store.
 use std::fs::{File, TryLockError};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use tokio::sync::{OnceCell, mpsc, watch};
 
@@ -178,6 +178,7 @@ impl Store {
                 last_event: last_event_receiver,
                 queued: queued_receiver,
                 calls,
+                speed: Mutex::default(),
                 access,
                 webhook_key: OnceCell::new(),
                 sharing,

@@ -3,9 +3,10 @@ use loadframe_api::people::PersonLimits;
 use loadframe_api::{Estimate, JobView, ReasonCode, Submission};
 use uuid::Uuid;
 
-use super::database::{Query, query, query_as, query_scalar, row};
+use super::database::{FromRow, Query, query, query_as, query_scalar, row};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
+use super::jobs::JobRow;
 use super::people::takes_no_jobs;
 use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
@@ -42,6 +43,13 @@ struct NewJob {
     spec_sha256: String,
     project: Option<Uuid>,
     key: Option<IdempotencyKey>,
+}
+
+/// What became of a submission.
+enum Submitted {
+    New(Box<JobRow>),
+    /// Its key was used before, for this job.
+    Before(Uuid),
 }
 
 impl Store {
@@ -85,24 +93,23 @@ impl Store {
             project: checked.project,
             key,
         };
-        let new = job.id;
         let written = self.write(move |change| {
             Box::pin(async move {
-                let id = change.enqueue(&job).await?;
-                Ok((id, job.spec))
+                let row = change.enqueue(&job).await?;
+                Ok((row, job.spec))
             })
         });
-        let (id, spec) = written.await?;
-        let replayed = id != new;
-        let job = match replayed {
-            true => self.job(id).await,
+        match written.await? {
             // what was written down is not read again
-            false => self.job_with_spec(id, &spec).await,
-        };
-        Ok(Enqueued {
-            job: job.map_err(gone)?,
-            replayed,
-        })
+            (Submitted::New(row), spec) => Ok(Enqueued {
+                job: row.view_with_spec(&spec)?,
+                replayed: false,
+            }),
+            (Submitted::Before(id), _) => Ok(Enqueued {
+                job: self.job(id).await.map_err(gone)?,
+                replayed: true,
+            }),
+        }
     }
 
     /// What a submission under this key was answered before, if it was: whatever has become of limits
@@ -203,14 +210,14 @@ fn gone(error: StoreError) -> StoreError {
 
 impl Change {
     /// Inserts the job, or finds the one that has its key.
-    async fn enqueue(&mut self, job: &NewJob) -> Result<Uuid> {
+    async fn enqueue(&mut self, job: &NewJob) -> Result<Submitted> {
         if let Some(key) = &job.key {
             let known: Option<(String, Uuid)> = query_as(KEY)
                 .bind(&key.key)
                 .fetch_optional(&mut self.connection)
                 .await?;
             match known {
-                Some((body, id)) if body == key.body_sha256 => return Ok(id),
+                Some((body, id)) if body == key.body_sha256 => return Ok(Submitted::Before(id)),
                 Some(_) => return Err(StoreError::KeyReused),
                 None => self.remember(key, job.id).await?,
             }
@@ -231,8 +238,7 @@ impl Change {
                     WHERE person = ?13 AND archived_at IS NULL AND deleted_at IS NULL
                     ORDER BY created_at, id LIMIT 1)),
                 (SELECT id FROM needs WHERE memory_mb = ?15 AND disk_mb = ?16 AND core_s = ?17
-                    AND threads = ?18 AND release = ?19), ?20)
-             RETURNING project",
+                    AND threads = ?18 AND release = ?19), ?20)",
         )
         .bind(job.id)
         .bind(job.kind)
@@ -258,15 +264,17 @@ impl Change {
             .bind(job.id)
             .bind(&job.spec);
         let statements = vec![row_of(&job.needs), row, spec];
-        let rows = self.event_after(statements, job.id, EventType::Job).await?;
-        let row = rows.get(1).and_then(|rows| rows.first());
-        let project: Option<Uuid> = row.ok_or(sqlx::Error::RowNotFound)?.get(0)?;
-        if person.is_some() && project.is_none() {
+        let view = Some(JobRow::query(job.id));
+        let event = self.event_among(statements, job.id, EventType::Job, view);
+        let rows = event.await?;
+        let row = rows.last().and_then(|rows| rows.first());
+        let row = JobRow::from_row(row.ok_or(sqlx::Error::RowNotFound)?)?;
+        if person.is_some() && row.project.is_none() {
             return Err(takes_no_jobs());
         }
         self.queued();
         self.audit("job.submitted", Some(job.id), &job.name).await?;
-        Ok(job.id)
+        Ok(Submitted::New(Box::new(row)))
     }
 
     async fn edit(&mut self, id: Uuid, edit: JobEdit) -> Result<()> {

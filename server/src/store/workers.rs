@@ -1,5 +1,6 @@
 //! Worker processes: who is there, how fast they are, and the queue in numbers.
 use std::sync::atomic::Ordering;
+use std::sync::{MutexGuard, PoisonError};
 use std::time::Duration;
 
 use loadframe_api::worker::ClaimRequest;
@@ -16,6 +17,9 @@ use crate::queue::needs::{believed, release};
 
 /// A waiting worker is written down again when it was last seen this long ago [ms].
 const SEEN_EVERY: i64 = 2_000;
+/// A speed that was read is taken for that of the lab so long [ms]: of workers that come to other servers, and
+/// of those that go, it tells later.
+const SPEED_KEPT: i64 = 1_000;
 /// The same for a working one, whose heartbeats come oftener.
 const HEARD_EVERY: i64 = 1_000;
 /// A worker is taken for gone when it was silent for a lease and this long [ms].
@@ -149,6 +153,12 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn calibration(&self) -> Result<Option<Calibration>> {
+        let now = self.now().as_millis();
+        if let Some((at, known)) = *self.known_speed()
+            && (at..at + SPEED_KEPT).contains(&now)
+        {
+            return Ok(known);
+        }
         let speed: Option<f64> = query_scalar(
             "SELECT bond_evaluations_per_s FROM workers WHERE bond_evaluations_per_s IS NOT NULL
              ORDER BY last_seen_at >= ?1 DESC,
@@ -159,9 +169,21 @@ impl Store {
         .bind(self.alive_since())
         .fetch_optional(self.lookups())
         .await?;
-        Ok(speed.map(|bond_evaluations_per_s| Calibration {
+        let speed = speed.map(|bond_evaluations_per_s| Calibration {
             bond_evaluations_per_s,
-        }))
+        });
+        *self.known_speed() = Some((now, speed));
+        Ok(speed)
+    }
+
+    /// Forgets the speed that was read, when a worker comes whose speed it does not contain.
+    pub(super) fn forget_speed(&self) {
+        *self.known_speed() = None;
+    }
+
+    fn known_speed(&self) -> MutexGuard<'_, Option<(i64, Option<Calibration>)>> {
+        let known = self.0.speed.lock();
+        known.unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The queue in numbers.

@@ -105,14 +105,29 @@ impl Change {
     /// wait until it is done.
     pub(super) async fn event_after(
         &mut self,
-        mut statements: Vec<Query>,
+        statements: Vec<Query>,
         job: Uuid,
         kind: EventType,
     ) -> Result<Vec<Vec<Row>>> {
-        let at = self.now.as_millis();
+        self.event_among(statements, job, kind, None).await
+    }
+
+    /// [`Self::event_after`], and then one more statement.
+    pub(super) async fn event_among(
+        &mut self,
+        mut statements: Vec<Query>,
+        job: Uuid,
+        kind: EventType,
+        last: Option<Query>,
+    ) -> Result<Vec<Vec<Row>>> {
+        let (at, place) = (self.now.as_millis(), statements.len());
         statements.push(self.connection.event(job, kind.name(), at));
+        statements.extend(last);
         let mut rows = self.connection.run_all(statements).await?;
-        let event = rows.pop().unwrap_or_default();
+        if place >= rows.len() {
+            return Err(sqlx::Error::RowNotFound.into());
+        }
+        let event = rows.remove(place);
         let number: i64 = event.first().ok_or(sqlx::Error::RowNotFound)?.get(0)?;
         self.effects.last_event = u64::try_from(number).ok();
         Ok(rows)
