@@ -244,7 +244,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn job(&self, id: Uuid) -> Result<JobView> {
-        let mut connection = self.reads().acquire().await?;
+        let mut connection = self.lookups().acquire().await?;
         let row = JobRow::of(&mut connection, id).await?;
         // a spec never changes, so it need not be of the same moment
         let spec: Option<String> = query_scalar("SELECT json FROM specs WHERE job = ?")

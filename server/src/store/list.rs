@@ -103,7 +103,7 @@ impl Store {
             let before = before.unwrap_or(i64::MAX);
             return self.newest_seen(sight, before, limit).await;
         }
-        let mut words = Words::of(filter, self.reads().texts())?;
+        let mut words = self.words(filter).await?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
@@ -122,7 +122,7 @@ impl Store {
         before: i64,
         count: u32,
     ) -> Result<Vec<JobRow>> {
-        let words = Words::of(filter, self.reads().texts())?;
+        let words = self.words(filter).await?;
         let mut query = Builder::new(
             "WITH newest AS MATERIALIZED (SELECT j.seq
              FROM (SELECT seq, id, owner, project FROM jobs WHERE seq < ",
@@ -154,7 +154,7 @@ impl Store {
         before: Option<i64>,
         limit: u32,
     ) -> Result<Vec<JobRow>> {
-        let mut words = Words::of(filter, self.reads().texts())?;
+        let mut words = self.words(filter).await?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let walk = words.walk(&mut connection).await?;
@@ -192,8 +192,25 @@ pub(super) fn page_of(mut rows: Vec<JobRow>, limit: u32) -> Page<JobView> {
     }
 }
 
+impl Store {
+    /// What a filter says, in the words of statements.
+    ///
+    /// # Errors
+    /// What cannot be written down.
+    pub(super) async fn words(&self, filter: &JobFilter) -> Result<Words> {
+        let mut words = Words::of(filter, self.reads().texts())?;
+        if let Some(text) = &mut words.text
+            && let Err(error) = self.index_texts().await
+        {
+            tracing::warn!(%error, "texts of new jobs could not be indexed; a search looks at all");
+            text.look_at_all();
+        }
+        Ok(words)
+    }
+}
+
 impl Words {
-    pub(super) fn of(filter: &JobFilter, texts: &'static Texts) -> Result<Self> {
+    fn of(filter: &JobFilter, texts: &'static Texts) -> Result<Self> {
         let projects = |of: fn(&Sight) -> &Vec<Uuid>| {
             let named = filter.sight.as_ref().map(of);
             hex_names(named.map_or(&[], Vec::as_slice))

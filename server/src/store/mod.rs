@@ -118,7 +118,7 @@ struct Inner {
     reserve: Arc<Reserve>,
     restarts: Arc<Restarts>,
     reads: Pool,
-    /// For what a worker or a health check waits for, and who a caller is: never behind a list.
+    /// For what a worker or a health check waits for, who a caller is, and one job: never behind a list.
     lookups: Pool,
     blobs: Blobs,
     /// Heartbeats that are not written down yet.

@@ -8,7 +8,7 @@ use tokio::sync::{OnceCell, mpsc, watch};
 use super::blobs::Blobs;
 use super::calls::Calls;
 use super::clock::Clock;
-use super::database::{Connection, Database, DatabasePlace, query_scalar};
+use super::database::{Connection, Database, DatabasePlace, Reading, query_scalar};
 use super::error::{Result, StoreError};
 use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::people::AccessState;
@@ -127,8 +127,8 @@ impl Store {
         let last: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;
-        let reads = database.reading(READERS).await?;
-        let lookups = database.reading(LOOKUPS).await?;
+        let reads = database.reading(READERS, Reading::Lists).await?;
+        let lookups = database.reading(LOOKUPS, Reading::Lookups).await?;
         if !database.is_shared() {
             private_database(&options.data);
         }

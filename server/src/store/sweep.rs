@@ -109,6 +109,9 @@ impl Store {
             if let Err(error) = swept {
                 tracing::error!(%error, "the leases could not be swept");
             }
+            if let Err(error) = self.index_texts().await {
+                tracing::error!(%error, "texts of new jobs could not be indexed");
+            }
             if step % STEPS_UNTIL_TIDY == 0 {
                 self.blobs().look_through();
                 if let Err(error) = self.blobs().incoming.forget_parts().await {

@@ -2,10 +2,13 @@
 //! beginning of an id.
 //!
 //! An index leads from any three neighbouring characters to their jobs. Shorter texts, and what the index of a
-//! database cannot decide by itself, are looked for in the jobs.
+//! database cannot decide by itself, are looked for in the jobs. Texts of new jobs come into the index of some
+//! databases by [`Store::index_texts`], many at a time.
 use uuid::Uuid;
 
-use super::database::{Builder, Texts};
+use super::Store;
+use super::database::{Builder, Texts, query, query_scalar};
+use super::error::Result;
 
 /// Texts are found by any three neighbouring characters of theirs; shorter ones by looking at all.
 const SHORTEST_FOUND: usize = 3;
@@ -51,6 +54,11 @@ impl Text {
             self.push_found(&mut query);
             query
         })
+    }
+
+    /// Has it looked for in the jobs, when not all of them are in the index.
+    pub(super) fn look_at_all(&mut self) {
+        self.is_found = false;
     }
 
     /// Has all that the index leads to looked up at once from now on.
@@ -151,6 +159,35 @@ impl Text {
             query.push_bind(self.typed.clone()).push(") > 0");
         }
         query.push(")");
+    }
+}
+
+impl Store {
+    /// Takes texts of new jobs into the index; whoever searches does so before.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(super) async fn index_texts(&self) -> Result<()> {
+        let Some(new) = self.reads().texts().new_texts else {
+            return Ok(());
+        };
+        loop {
+            let are_there: bool = query_scalar(new.are_there)
+                .fetch_one(self.lookups())
+                .await?;
+            if !are_there {
+                return Ok(());
+            }
+            self.write_from_reserve(move |change| {
+                Box::pin(async move {
+                    query(new.index_some)
+                        .execute(&mut change.connection)
+                        .await?;
+                    Ok(())
+                })
+            })
+            .await?;
+        }
     }
 }
 

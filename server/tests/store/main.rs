@@ -23,5 +23,6 @@ mod safety;
 mod shared;
 mod submissions;
 mod sweeping;
+mod texts;
 mod tokens;
 mod values;

@@ -39,6 +39,7 @@ const SQLITE: &[Step] = steps! { "":
     15 "limits are told" "0015_limits_are_told.sql",
     16 "mails" "0016_mails.sql",
     17 "kept values" "0017_kept_values.sql",
+    18 "texts in bulk" "0018_texts_in_bulk.sql",
 };
 
 const POSTGRES: &[Step] = steps! { "postgres/":
@@ -125,7 +126,8 @@ mod tests {
                 "06d67708710a1c1f",
                 "944ffa9e1f350752",
                 "1e60e7629c76ed2c",
-                "4cb74f3addabd3d8"
+                "4cb74f3addabd3d8",
+                "0b311f71be1424ba"
             ]
         );
     }

@@ -59,6 +59,15 @@ pub(super) enum Pool {
     Postgres(PgPool),
 }
 
+/// What connections read that cannot write.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// Many rows, of which how many there are hangs on what is asked for.
+    Lists,
+    /// What is found by its name, at once.
+    Lookups,
+}
+
 /// Where a statement is run.
 pub(super) enum On<'c> {
     Sqlite(backend::On<'c, Sqlite>),
@@ -79,6 +88,17 @@ pub(super) struct Texts {
     pub(super) text_found: [&'static str; 2],
     /// Whether it leads to jobs with that text alone, so that they need not be looked at.
     pub(super) index_decides: bool,
+    /// How texts of new jobs come into the index, where they do not by themselves.
+    pub(super) new_texts: Option<NewTexts>,
+}
+
+/// How texts of new jobs come into the index of texts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NewTexts {
+    /// Whether there are any.
+    pub(super) are_there: &'static str,
+    /// Takes in the next of them.
+    pub(super) index_some: &'static str,
 }
 
 /// A statement that a transaction may end with, ?1 its value.
@@ -177,11 +197,11 @@ impl Database {
     ///
     /// # Errors
     /// The database's.
-    pub(super) async fn reading(&self, connections: u32) -> Result<Pool> {
+    pub(super) async fn reading(&self, connections: u32, what: Reading) -> Result<Pool> {
         Ok(match self {
             Self::Sqlite(database) => Pool::Sqlite(sqlite::reading(database, connections).await?),
             Self::Postgres(address) => {
-                Pool::Postgres(postgres::reading(&address.0, connections).await?)
+                Pool::Postgres(postgres::reading(&address.0, connections, what).await?)
             }
         })
     }

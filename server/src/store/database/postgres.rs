@@ -13,9 +13,9 @@ use sqlx::postgres::{
 };
 use sqlx::{AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr, SqlStr};
 
-use super::Texts;
 use super::backend::{self, Backend};
 use super::value::{Done, Kind, Value};
+use super::{Reading, Texts};
 
 /// Takes the store in this schema of this database for a transaction, and tells the moment.
 const BEGIN: &str = "BEGIN ISOLATION LEVEL READ COMMITTED;
@@ -62,6 +62,7 @@ pub(super) const TEXTS: Texts = Texts {
     number_of_text: "t.job",
     text_found: ["t.trigrams @> trigrams(", ")"],
     index_decides: false,
+    new_texts: None,
 };
 /// Columns of the table ?1, other than those that follow from others, and their types.
 pub(super) const KINDS: &str =
@@ -76,7 +77,8 @@ const STANDSTILL: &str = "10s";
 /// a thousand times as long as carrying it out.
 const AS_IT_IS: (&str, &str) = ("jit", "off");
 /// How lists are planned: for the values that they are asked with (of texts some are in all jobs and some in none),
-/// by one process each, and for disks that read anywhere as fast as on.
+/// by one process each, and for disks that read anywhere as fast as on. What is looked up by its name is planned
+/// once: planning the reading of one job takes five times as long as reading it.
 const OF_LISTS: [(&str, &str); 3] = [
     ("plan_cache_mode", "force_custom_plan"),
     ("max_parallel_workers_per_gather", "0"),
@@ -109,10 +111,16 @@ pub(super) fn kind(name: &str) -> Kind {
 }
 
 /// Connections that cannot write.
-pub(super) async fn reading(database: &PgConnectOptions, connections: u32) -> sqlx::Result<PgPool> {
+pub(super) async fn reading(
+    database: &PgConnectOptions,
+    connections: u32,
+    what: Reading,
+) -> sqlx::Result<PgPool> {
     let read_only = ("default_transaction_read_only", "on");
-    let read_only = database.clone().options([read_only, AS_IT_IS]);
-    let read_only = read_only.options(OF_LISTS);
+    let mut read_only = database.clone().options([read_only, AS_IT_IS]);
+    if what == Reading::Lists {
+        read_only = read_only.options(OF_LISTS);
+    }
     PgPoolOptions::new()
         .max_connections(connections)
         .connect_with(read_only)

@@ -10,9 +10,9 @@ use sqlx::sqlite::{
 };
 use sqlx::{ConnectOptions, Executor, SqlStr};
 
-use super::Texts;
 use super::backend::{self, Backend};
 use super::value::{Done, Value};
+use super::{NewTexts, Texts};
 
 /// The file of the database in its data folder.
 pub(in super::super) const FILE: &str = "loadframe.db";
@@ -40,7 +40,8 @@ pub(super) const COLUMNS: &str = "SELECT name FROM pragma_table_info(?)";
 /// Brings what is in the write-ahead log into the file.
 pub(super) const SETTLE: &str = "PRAGMA wal_checkpoint(TRUNCATE)";
 /// Makes the index of texts anew.
-pub(super) const INDEX_TEXTS: &str = "INSERT INTO job_texts (job_texts) VALUES ('rebuild')";
+pub(super) const INDEX_TEXTS: &str = "INSERT INTO job_texts (job_texts) VALUES ('rebuild');
+     UPDATE job_texts_known SET up_to = (SELECT COALESCE(MAX(seq), 0) FROM jobs)";
 /// Copies the database as it is at one moment to the file ?1.
 pub(super) const COPY: &str = "VACUUM INTO ?";
 /// Whether all of it can be read and fits together: then `ok`.
@@ -71,6 +72,14 @@ pub(in super::super) const TEXTS: Texts = Texts {
     // whatever is sought is one phrase
     text_found: ["job_texts MATCH '\"' || replace(", ", '\"', '\"\"') || '\"'"],
     index_decides: true,
+    new_texts: Some(NewTexts {
+        are_there: "SELECT COALESCE((SELECT MAX(seq) FROM jobs), 0) > up_to FROM job_texts_known",
+        index_some: "INSERT INTO job_texts (rowid, name, notes, tags)
+             SELECT seq, name, notes, tags FROM jobs WHERE seq > (SELECT up_to FROM job_texts_known)
+             ORDER BY seq LIMIT 500;
+             UPDATE job_texts_known SET up_to = COALESCE((SELECT MAX(seq) FROM
+                (SELECT seq FROM jobs WHERE seq > up_to ORDER BY seq LIMIT 500)), up_to)",
+    }),
 };
 
 /// The database in a data folder.

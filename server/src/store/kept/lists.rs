@@ -72,7 +72,7 @@ impl Store {
     ) -> Result<Option<Page<JobView>>> {
         let limit = limit.clamp(1, LONGEST_PAGE);
         let after = list.after(cursor)?;
-        let mut words = Words::of(list.filter, self.reads().texts())?;
+        let mut words = self.words(list.filter).await?;
         let mut connection = self.reads().acquire().await?;
         words.bound(&mut connection).await?;
         let few = list.few(&mut words, &mut connection).await?;
