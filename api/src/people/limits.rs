@@ -24,13 +24,6 @@ pub struct PersonLimits {
     pub may_hurry: bool,
 }
 
-impl PersonLimits {
-    /// Whether anything is bounded.
-    pub fn has_any(&self) -> bool {
-        self.running.is_some() || self.queued_core_h.is_some() || self.disk_gb.is_some()
-    }
-}
-
 /// What a person uses now.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PersonUse {

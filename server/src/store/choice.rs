@@ -71,20 +71,31 @@ pub(super) fn to_charge(attempt: i64) -> Query {
     found.bind(attempt)
 }
 
+/// The rows of [`Change::standings_now`].
+pub(super) fn standings_of(rows: &[Row]) -> Result<Vec<Standing>> {
+    let standing = |row| {
+        let (person, level, most_running, running, running_core_s) = FromRow::from_row(row)?;
+        Ok(Standing {
+            person,
+            level,
+            running,
+            running_core_s,
+            most_running,
+        })
+    };
+    rows.iter().map(standing).collect()
+}
+
 impl Change {
-    /// The job that a worker is to have next, if one fits it; `has_people`: jobs are somebody's.
+    /// The job that a worker is to have next, if one fits it.
     pub(super) async fn next_job(
         &mut self,
         worker: &ClaimRequest,
-        has_people: bool,
+        standings: &[Standing],
     ) -> Result<Option<LifecycleRow>> {
-        let standings = match has_people {
-            true => self.standings().await?,
-            false => Vec::new(),
-        };
         for with_faults in [false, true] {
-            let mut lines = self.first_lines(worker, &standings, with_faults).await?;
-            while let Some(line) = self.take_next(&mut lines, &standings) {
+            let mut lines = self.first_lines(worker, standings, with_faults).await?;
+            while let Some(line) = self.take_next(&mut lines, standings) {
                 if self.is_left_to_a_smaller(worker, &line).await? {
                     continue;
                 }
@@ -158,10 +169,9 @@ impl Change {
         Ok(lines)
     }
 
-    /// How everybody stands; nobody where there are no people.
-    pub(super) async fn standings(&mut self) -> Result<Vec<Standing>> {
-        type Row = (Uuid, Option<f64>, Option<u32>, u32, f64);
-        let rows: Vec<Row> = query_as(
+    /// How everybody stands, see [`standings_of`]; nobody where there are no people.
+    pub(super) fn standings_now(&self) -> Query {
+        let standings = query(
             "SELECT p.id, p.use_level, p.most_running, COALESCE(r.jobs, 0), COALESCE(r.core_s, 0.0)
              FROM people p LEFT JOIN
                 (SELECT j.owner, COUNT(*) AS jobs,
@@ -169,19 +179,8 @@ impl Change {
                             * a.threads / 1000.0) AS DOUBLE PRECISION) AS core_s
                  FROM attempts a JOIN jobs j ON j.seq = a.job
                  WHERE a.ended_at IS NULL GROUP BY j.owner) r ON r.owner = p.id",
-        )
-        .bind(self.now.as_millis())
-        .bind(LEAST_COUNTED_MS)
-        .fetch_all(&mut self.connection)
-        .await?;
-        let standing = |(person, level, most_running, running, running_core_s)| Standing {
-            person,
-            level,
-            running,
-            running_core_s,
-            most_running,
-        };
-        Ok(rows.into_iter().map(standing).collect())
+        );
+        standings.bind(self.now.as_millis()).bind(LEAST_COUNTED_MS)
     }
 
     /// Whether the line's first job came just now and a much smaller machine that fits it waits, too.
@@ -217,11 +216,11 @@ impl Change {
         Ok(is_left)
     }
 
-    /// Charges an attempt that has ended to the person whose job it was, as [`to_charge`] tells.
-    pub(super) async fn charge(
+    /// Charges an attempt that has ended to the person whose job it was, as [`to_charge`] tells; the statement.
+    pub(super) fn charge(
         &mut self,
         (person, level, started_at, threads, has_limit): Charge,
-    ) -> Result<()> {
+    ) -> Query {
         if has_limit {
             // another job of theirs may have waited for this alone
             self.queued();
@@ -231,8 +230,5 @@ impl Change {
         query("UPDATE people SET use_level = ? WHERE id = ?")
             .bind(turns::charged(level, core_s, now))
             .bind(person)
-            .execute(&mut self.connection)
-            .await?;
-        Ok(())
     }
 }

@@ -9,6 +9,7 @@ use uuid::Uuid;
 use super::Store;
 use super::calls::Waiting;
 use super::checkpoints::CheckpointRow;
+use super::choice::standings_of;
 use super::clock::millis;
 use super::database::{FromRow, Query, query, query_scalar, row};
 use super::encoding::variant;
@@ -17,6 +18,7 @@ use super::jobs::limits;
 use super::state::LifecycleRow;
 use super::writer::Change;
 use crate::queue::Input;
+use crate::queue::turns::Standing;
 
 /// Heartbeats are due this often [s], so that a cancel reaches its worker in less than 2 s,
 const HEARTBEAT_S: f64 = 1.0;
@@ -34,8 +36,6 @@ row! {
         is_new: bool,
         /// It has a live lease that it never used.
         has_unused: bool,
-        /// Jobs are somebody's.
-        has_people: bool,
     }
 }
 
@@ -112,13 +112,16 @@ impl Change {
         worker: &ClaimRequest,
         lease: i64,
     ) -> Result<(bool, Option<Claimed>)> {
-        let look = self.look_and_register(worker).await?;
-        Ok((look.is_new, self.claim_of(look, worker, lease).await?))
+        let (look, standings) = self.look_and_register(worker).await?;
+        let is_new = look.is_new;
+        let claimed = self.claim_of(look, &standings, worker, lease).await?;
+        Ok((is_new, claimed))
     }
 
     async fn claim_of(
         &mut self,
         mut look: Look,
+        standings: &[Standing],
         worker: &ClaimRequest,
         lease: i64,
     ) -> Result<Option<Claimed>> {
@@ -134,7 +137,7 @@ impl Change {
         let claimed = match unused {
             Some(claimed) => claimed,
             None if look.is_set_aside || !look.has_jobs => return Ok(None),
-            None => match self.next_job(worker, look.has_people).await? {
+            None => match self.next_job(worker, standings).await? {
                 Some(job) => self.start_attempt(worker, &job, lease).await?,
                 None => return Ok(None),
             },
@@ -152,25 +155,26 @@ impl Change {
         Ok(Some((claimed, checkpoint)))
     }
 
-    /// What there is for a worker, and notes that it asks, in one go: most that ask get nothing.
-    async fn look_and_register(&mut self, worker: &ClaimRequest) -> Result<Look> {
+    /// What there is for a worker, and how everybody stands, and notes that it asks, in one go.
+    async fn look_and_register(&mut self, worker: &ClaimRequest) -> Result<(Look, Vec<Standing>)> {
         let look = query(
             "SELECT EXISTS (SELECT 1 FROM waiting_lines) AS has_jobs,
                     EXISTS (SELECT 1 FROM machines WHERE host = ?2 AND worker_name = ?3 AND until > ?4)
                         AS is_set_aside,
                     NOT EXISTS (SELECT 1 FROM workers WHERE id = ?1) AS is_new,
                     EXISTS (SELECT 1 FROM attempts WHERE worker = ?1 AND ended_at IS NULL AND heard = FALSE)
-                        AS has_unused,
-                    EXISTS (SELECT 1 FROM people) AS has_people",
+                        AS has_unused",
         )
         .bind(worker.worker_id)
         .bind(&worker.host)
         .bind(&worker.name)
         .bind(self.now.as_millis());
-        let statements = vec![look, self.worker_registered(worker)?];
+        let registered = self.worker_registered(worker)?;
+        let statements = vec![look, registered, self.standings_now()];
         let rows = self.connection.run_all(statements).await?;
         let look = rows.first().and_then(|rows| rows.first());
-        Ok(Look::from_row(look.ok_or(sqlx::Error::RowNotFound)?)?)
+        let look = Look::from_row(look.ok_or(sqlx::Error::RowNotFound)?)?;
+        Ok((look, standings_of(rows.last().map_or(&[], Vec::as_slice))?))
     }
 
     /// What a live lease of the worker that it never used is of; it is extended.

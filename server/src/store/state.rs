@@ -8,7 +8,7 @@ use uuid::Uuid;
 
 use super::checkpoints::checkpoint_contents;
 use super::choice::to_charge;
-use super::database::{Connection, FromRow, query, query_as, query_scalar, row};
+use super::database::{Connection, FromRow, Query, query, query_as, query_scalar, row};
 use super::encoding::{variant, wire_name};
 use super::error::{Result, StoreError};
 use super::writer::{Change, EventType};
@@ -111,9 +111,10 @@ impl Change {
         if step.state == before && step.reason.is_none() {
             return Ok(step);
         }
-        if let (Some(end), Some(ending)) = (step.attempt_end, ending) {
-            self.end_attempt(job, &ending, end).await?;
-        }
+        let charge = match (step.attempt_end, ending) {
+            (Some(end), Some(ending)) => self.end_attempt(job, &ending, end).await?,
+            _ => None,
+        };
         let (status, outcome, asked, losses) = columns(step.state);
         let reason = why.or_else(|| step.reason.map(|code| sentence(code).to_owned()));
         let code = step.reason.map(|code| wire_name(&code)).transpose()?;
@@ -141,14 +142,17 @@ impl Change {
         // a claim begins the next attempt
         .bind(i64::from(input == Input::Claim));
         let mut statements = vec![update];
-        if matches!(step.state, State::Finished(outcome) if !keeps_checkpoint(outcome)) {
+        let has_ended_for_good =
+            matches!(step.state, State::Finished(outcome) if !keeps_checkpoint(outcome));
+        if has_ended_for_good {
             statements.push(checkpoint_contents(job.seq, None));
         }
+        statements.extend(charge);
         let rows = self.event_after(statements, job.id, EventType::Job).await?;
         if rows.first().is_none_or(Vec::is_empty) {
             return Err(StoreError::Unavailable);
         }
-        if let Some(contents) = rows.get(1) {
+        if let Some(contents) = rows.get(1).filter(|_| has_ended_for_good) {
             self.remove_found_checkpoints(job.seq, None, contents)
                 .await?;
         }
@@ -159,13 +163,14 @@ impl Change {
     }
 
     /// Ends an attempt that is live under its token; of what it leaves, only a checkpoint, a
-    /// completed result and what a failed one had until then stay.
+    /// completed result and what a failed one had until then stay. Gives the statement that charges it to
+    /// somebody.
     async fn end_attempt(
         &mut self,
         job: &LifecycleRow,
         ending: &Ending,
         end: AttemptEnd,
-    ) -> Result<()> {
+    ) -> Result<Option<Query>> {
         let ended = query(
             "UPDATE attempts SET ended_at = ?1, end_reason = ?2, ended_by = ?3
              WHERE seq = ?4 AND token = ?5 AND ended_at IS NULL AND (NOT ?6 OR lease_until <= ?1)
@@ -182,9 +187,10 @@ impl Change {
         if rows.first().is_none_or(Vec::is_empty) {
             return Err(StoreError::LeaseLost);
         }
-        if let Some(charge) = rows.get(1).and_then(|rows| rows.first()) {
-            self.charge(FromRow::from_row(charge)?).await?;
-        }
+        let charge = match rows.get(1).and_then(|rows| rows.first()) {
+            Some(charge) => Some(self.charge(FromRow::from_row(charge)?)),
+            None => None,
+        };
         let completed = end == AttemptEnd::Completed;
         if matches!(end, AttemptEnd::Failed | AttemptEnd::TimedOut) {
             self.mark_partial(ending.attempt).await?;
@@ -200,7 +206,7 @@ impl Change {
             let result = completed.then_some(ending.attempt);
             self.keep_one_curve(job.seq, result).await?;
         }
-        Ok(())
+        Ok(charge)
     }
 
     /// Puts the files of a failed attempt, which are no result, in a folder that says so.

@@ -1,13 +1,12 @@
 //! What users do to jobs: submit, edit, ask, delete.
-use loadframe_api::people::PersonLimits;
 use loadframe_api::{Estimate, JobView, ReasonCode, Submission};
 use uuid::Uuid;
 
-use super::database::{FromRow, Query, query, query_as, query_scalar, row};
+use super::database::{FromRow, Query, query, query_as, query_scalar};
 use super::encoding::{json, wire_name};
 use super::error::{Result, StoreError};
 use super::jobs::JobRow;
-use super::people::takes_no_jobs;
+use super::people::{admission, takes_no_jobs};
 use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
 use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
@@ -16,16 +15,6 @@ use crate::queue::needs::Needs;
 
 /// What was submitted under a key.
 const KEY: &str = "SELECT body_sha256, job FROM idempotency_keys WHERE key = ?";
-
-row! {
-    /// What the person who submits may use.
-    struct Admission {
-        most_running: Option<u32>,
-        most_queued_core_h: Option<f64>,
-        most_disk_gb: Option<f64>,
-        may_hurry: bool,
-    }
-}
 
 /// The row of a new job.
 struct NewJob {
@@ -223,9 +212,6 @@ impl Change {
             }
         }
         let person = self.actor.as_ref().and_then(|actor| actor.person);
-        if let Some(person) = person {
-            self.admit(person, job).await?;
-        }
         let row = query(
             // a job of before there were people is the first administrator's, also at the last moment
             "INSERT INTO jobs (id, kind, name, notes, tags, priority, spec_sha256, reason_code,
@@ -263,14 +249,22 @@ impl Change {
         let spec = query("INSERT INTO specs (job, json) SELECT seq, ?2 FROM jobs WHERE id = ?1")
             .bind(job.id)
             .bind(&job.spec);
-        let statements = vec![row_of(&job.needs), row, spec];
+        let mut statements = vec![row_of(&job.needs), row, spec];
+        // before the job counts
+        statements.splice(0..0, person.map(admission));
         let view = Some(JobRow::query(job.id));
         let event = self.event_among(statements, job.id, EventType::Job, view);
         let rows = event.await?;
         let row = rows.last().and_then(|rows| rows.first());
         let row = JobRow::from_row(row.ok_or(sqlx::Error::RowNotFound)?)?;
-        if person.is_some() && row.project.is_none() {
-            return Err(takes_no_jobs());
+        if let Some(person) = person {
+            if let Some(known) = rows.first().and_then(|rows| rows.first()) {
+                self.check_limits(person, known, job.priority, &job.estimate)
+                    .await?;
+            }
+            if row.project.is_none() {
+                return Err(takes_no_jobs());
+            }
         }
         self.queued();
         self.audit("job.submitted", Some(job.id), &job.name).await?;
@@ -319,27 +313,6 @@ impl Change {
             .execute(&mut self.connection)
             .await?;
         Ok(())
-    }
-
-    /// Refuses a job that its person may not submit.
-    async fn admit(&mut self, person: Uuid, job: &NewJob) -> Result<()> {
-        let known: Option<Admission> = query_as(
-            "SELECT most_running, most_queued_core_h, most_disk_gb,
-                    may_hurry OR role = 'administrator' AS may_hurry
-             FROM people WHERE id = ?",
-        )
-        .bind(person)
-        .fetch_optional(&mut self.connection)
-        .await?;
-        let Some(known) = known else { return Ok(()) };
-        let limits = PersonLimits {
-            running: known.most_running,
-            queued_core_h: known.most_queued_core_h,
-            disk_gb: known.most_disk_gb,
-            may_hurry: known.may_hurry,
-        };
-        self.check_limits(person, limits, job.priority, &job.estimate)
-            .await
     }
 
     async fn remember(&mut self, key: &IdempotencyKey, job: Uuid) -> Result<()> {

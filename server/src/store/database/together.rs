@@ -59,10 +59,10 @@ fn numbered(statement: &str, before: usize, to: &mut String) {
     while let Some(at) = rest.find(['?', '\'']) {
         to.push_str(&rest[..at]);
         rest = &rest[at..];
-        let taken = if rest.starts_with('?') {
-            let digits = rest[1..].bytes().take_while(u8::is_ascii_digit).count();
+        let taken = if let Some(after) = rest.strip_prefix('?') {
+            let digits = after.bytes().take_while(u8::is_ascii_digit).count();
             places += 1;
-            let place = rest[1..=digits].parse().unwrap_or(places);
+            let place = after[..digits].parse().unwrap_or(places);
             to.push('$');
             to.push_str(&(before + place).to_string());
             1 + digits

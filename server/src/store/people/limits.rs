@@ -4,7 +4,7 @@ use loadframe_api::people::{Allowance, PersonLimits, PersonUse};
 use uuid::Uuid;
 
 use super::super::Store;
-use super::super::database::{Connection, query, query_as, query_scalar};
+use super::super::database::{Connection, FromRow, Query, Row, query, query_as, query_scalar, row};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
 use super::accounts::PersonRow;
@@ -110,21 +110,56 @@ async fn used_by(connection: &mut Connection, person: Uuid, now: i64) -> Result<
     })
 }
 
+row! {
+    /// What a person may use, and what they use where that is limited.
+    struct Admission {
+        most_running: Option<u32>,
+        most_queued_core_h: Option<f64>,
+        most_disk_gb: Option<f64>,
+        may_hurry: bool,
+        file_bytes: i64,
+        queued_ms: i64,
+        running: u32,
+    }
+}
+
+/// What [`Change::check_limits`] is to know of a person. Most have no limits, and every submission waits here.
+pub(in crate::store) fn admission(person: Uuid) -> Query {
+    let known = query(
+        "SELECT most_running, most_queued_core_h, most_disk_gb,
+            may_hurry OR role = 'administrator' AS may_hurry, file_bytes,
+            CASE WHEN most_queued_core_h IS NULL THEN 0 ELSE
+                (SELECT CAST(COALESCE(SUM(core_ms), 0) AS BIGINT) FROM waiting_lines WHERE owner = p.id)
+                END AS queued_ms,
+            CASE WHEN most_running IS NULL THEN 0 ELSE
+                (SELECT COUNT(*) FROM attempts a JOIN jobs j ON j.seq = a.job
+                 WHERE a.ended_at IS NULL AND j.owner = p.id) END AS running
+         FROM people p WHERE id = ?",
+    );
+    known.bind(person)
+}
+
 impl Change {
-    /// Refuses a job that a person with these limits may not submit.
+    /// Refuses a job that a person may not submit, of whom `known` is what [`admission`] told before.
     pub(in crate::store) async fn check_limits(
         &mut self,
         person: Uuid,
-        limits: PersonLimits,
+        known: &Row,
         priority: i32,
         estimate: &Estimate,
     ) -> Result<()> {
-        let now = self.now.as_millis();
-        // most people have none, and every submission waits here
-        let used = if limits.has_any() {
-            used_by(&mut self.connection, person, now).await?
-        } else {
-            PersonUse::default()
+        let known = Admission::from_row(known)?;
+        let limits = PersonLimits {
+            running: known.most_running,
+            queued_core_h: known.most_queued_core_h,
+            disk_gb: known.most_disk_gb,
+            may_hurry: known.may_hurry,
+        };
+        let used = PersonUse {
+            running: known.running,
+            queued_core_h: known.queued_ms as f64 / 3.6e6,
+            disk_gb: known.file_bytes as f64 / 1e9,
+            ..PersonUse::default()
         };
         let allowance = Allowance::of(limits, used);
         let violations = allowance.violations(priority, estimate);

@@ -34,6 +34,7 @@ use super::{Inner, Store};
 pub use actor::Actor;
 pub use audit::AuditFilter;
 pub use identities::{Admission, Arrival, Identity};
+pub(super) use limits::admission;
 pub(super) use line::Line;
 pub use outbox::{Due, DueEvent};
 pub(super) use projects::takes_no_jobs;
