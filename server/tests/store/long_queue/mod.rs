@@ -71,6 +71,14 @@ async fn is_consistent(database: &mut SqliteConnection) {
             query_as(counted).fetch_all(&mut *database).await.unwrap();
         assert!(kept == counted, "{what}: {kept:?} are {counted:?}");
     }
+    // texts of new jobs come into the index before a search
+    for statement in [
+        "INSERT INTO job_texts (rowid, name, notes, tags) SELECT seq, name, notes, tags FROM jobs
+         WHERE seq > (SELECT up_to FROM job_texts_known)",
+        "UPDATE job_texts_known SET up_to = (SELECT COALESCE(MAX(seq), up_to) FROM jobs)",
+    ] {
+        query(statement).execute(&mut *database).await.unwrap();
+    }
     // holds every word against the table
     query("INSERT INTO job_texts (job_texts, rank) VALUES ('integrity-check', 1)")
         .execute(database)
