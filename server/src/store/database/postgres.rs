@@ -13,8 +13,8 @@ use sqlx::postgres::{
 };
 use sqlx::{AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr, SqlStr};
 
-use super::Texts;
 use super::backend::{self, Backend};
+use super::own_words::Texts;
 use super::value::{Done, Kind, Value};
 
 /// Takes the store in this schema of this database for a transaction, and tells the moment.

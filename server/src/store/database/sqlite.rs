@@ -10,8 +10,8 @@ use sqlx::sqlite::{
 };
 use sqlx::{ConnectOptions, Executor, SqlStr};
 
-use super::Texts;
 use super::backend::{self, Backend};
+use super::own_words::Texts;
 use super::value::{Done, Value};
 
 /// The file of the database in its data folder.
