@@ -116,19 +116,7 @@ impl Worker {
     }
 
     fn claim(&self) -> Request {
-        Request::Claim(ClaimRequest {
-            worker_id: self.id,
-            name: self.name.clone(),
-            host: self.name.clone(),
-            threads: 1,
-            engine_version: "1".to_owned(),
-            kinds: JobKind::ALL.to_vec(),
-            calibration: None,
-            memory_mb: None,
-            disk_mb: None,
-            time_left_s: None,
-            wait_s: 0.0,
-        })
+        Request::Claim(ClaimRequest::new(self.id, &self.name, &self.name, "1"))
     }
 
     /// Takes in the answer to what it sent.
