@@ -1,7 +1,7 @@
 //! The worker's side of the protocol driven by hand: whoever no longer holds the lease is refused
 //! on every route, and nothing of it shows.
 use loadframe_api::worker::{ClaimRequest, LEASE_TOKEN_HEADER, Lease};
-use loadframe_api::{JobKind, JobOutcome, JobStatus, sha256_hex};
+use loadframe_api::{JobOutcome, JobStatus, sha256_hex};
 use loadframe_tests::{Answer, Server, TINY, losses, until, with_seed};
 use serde_json::{Value, json};
 use uuid::Uuid;

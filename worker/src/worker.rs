@@ -2,7 +2,6 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use loadframe_api::JobKind;
 use loadframe_api::worker::{ClaimRequest, Lease};
 use loadframe_client::direct::DIRECT_FROM_HEADER;
 use loadframe_client::{ServerClient, ServerError};

@@ -5,9 +5,7 @@ use loadframe_api::worker::{
     ClaimRequest, Command, CompleteRequest, CurveBlock, FailCode, FailRequest, FaultCode,
     FaultRequest, Lease, ProgressReport, ReleaseReason,
 };
-use loadframe_api::{
-    Cost, FileEntry, JobKind, Outcome, OutcomeStatus, Provenance, Quantity, sha256_hex,
-};
+use loadframe_api::{Cost, FileEntry, Outcome, OutcomeStatus, Provenance, Quantity, sha256_hex};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use uuid::Uuid;
