@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
-use loadframe_api::{FileEntry, JobOutcome, JobStatus, sha256_hex};
+use loadframe_api::{FileEntry, JobOutcome, JobStatus, JobView, sha256_hex};
 use loadframe_tests::{
     Cut, Relay, Server, TINY, Worker, is_sound, loadframe, run_alone, until, with_seed,
 };
@@ -17,28 +17,40 @@ const JOBS: u64 = 6;
 
 #[test]
 fn who_asks_faster_than_it_may_waits_and_every_job_is_computed_once() {
-    let server = Server::start_with(&["--requests-per-s", &RATE.to_string()]);
-    // those without a token, as this test, are counted by their address
-    let mut command = loadframe();
-    command.args([
-        "token",
-        "create",
-        "--name",
-        "of workers",
-        "--scope",
-        "worker",
-        "--json",
-    ]);
-    let made = command.arg("--data").arg(server.data()).output().unwrap();
-    assert!(made.status.success(), "{made:?}");
-    let made: Value = serde_json::from_slice(&made.stdout).unwrap();
+    let server = Server::start_with(&["--require-token", "--requests-per-s", &RATE.to_string()]);
+    let token = |scope: &str| -> String {
+        let mut command = loadframe();
+        command.args([
+            "token", "create", "--name", scope, "--scope", scope, "--json",
+        ]);
+        let made = command.arg("--data").arg(server.data()).output().unwrap();
+        assert!(made.status.success(), "{made:?}");
+        let made: Value = serde_json::from_slice(&made.stdout).unwrap();
+        made["secret"].as_str().unwrap().to_owned()
+    };
     let file = server.folder().join("token");
-    std::fs::write(&file, made["secret"].as_str().unwrap()).unwrap();
+    std::fs::write(&file, token("worker")).unwrap();
+    // this test has a token of its own, and asks slowly
+    let bearer = format!("Bearer {}", token("submit"));
+    let headers = [
+        ("authorization", &*bearer),
+        ("content-type", "application/json"),
+    ];
+    let ask = |method: &str, path: &str, body: &str| {
+        let answer = server.client.send(method, path, &headers, body.as_bytes());
+        answer.unwrap()
+    };
 
     let body = with_seed(TINY, 1);
     let alone = server.folder().join("alone");
     run_alone(&body, 1, &alone);
-    let ids: Vec<_> = (0..JOBS).map(|_| server.client.submit(&body)).collect();
+    let ids: Vec<_> = (0..JOBS)
+        .map(|_| {
+            ask("POST", "/v1/jobs", &body.to_string())
+                .json::<JobView>()
+                .id
+        })
+        .collect();
     let [refused_claims, refused_others] = [(); 2].map(|()| Arc::new(AtomicU64::new(0)));
     let relay = {
         let refused = [Arc::clone(&refused_claims), Arc::clone(&refused_others)];
@@ -50,19 +62,19 @@ fn who_asks_faster_than_it_may_waits_and_every_job_is_computed_once() {
             Cut::Pass
         })
     };
-    let token = ["--token-file", file.to_str().unwrap()];
+    let options = ["--token-file", file.to_str().unwrap()];
     let workers =
-        ["first", "second"].map(|name| Worker::start_with(&server, &relay.url, name, &token));
+        ["first", "second"].map(|name| Worker::start_with(&server, &relay.url, name, &options));
     for id in ids {
         let job = until("the job is finished", || {
             std::thread::sleep(Duration::from_millis(500));
-            let job = server.client.job(id);
+            let job: JobView = ask("GET", &format!("/v1/jobs/{id}"), "").json();
             (job.status == JobStatus::Finished).then_some(job)
         });
         is_sound(&job);
         assert_eq!(job.outcome, Some(JobOutcome::Succeeded), "{job:#?}");
         assert_eq!(job.attempts.len(), 1, "{job:#?}");
-        let listed: Value = server.client.get(&format!("/v1/jobs/{id}/files")).json();
+        let listed: Value = ask("GET", &format!("/v1/jobs/{id}/files"), "").json();
         let listed: Vec<FileEntry> = serde_json::from_value(listed["items"].clone()).unwrap();
         assert!(
             listed.iter().any(|file| file.name == "curve.csv"),

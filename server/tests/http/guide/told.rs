@@ -35,10 +35,7 @@ async fn every_kind_has_its_page_and_its_fields() {
             page.contains(&fields),
             "the page of {kind} has no link to {fields}"
         );
-        assert!(
-            index.contains(&fields),
-            "the index has no link to {fields}"
-        );
+        assert!(index.contains(&fields), "the index has no link to {fields}");
         let fields = lab.get(&fields).await.text();
         assert!(
             fields.contains(&format!("/v1/kinds/{kind}/schema")),
