@@ -201,8 +201,8 @@ impl<S: Simd> Slip<S> {
 }
 
 impl<S: Simd> Push<S> {
-    /// Tells `depths` of contacts with these smaller radii: four instructions that nothing waits for. To compare
-    /// with the deepest known and branch took twice as many.
+    /// Tells `depths` of contacts with these smaller radii: four instructions that nothing waits for. A comparison
+    /// with the deepest known and a branch took twice the instructions.
     #[inline(always)]
     fn tell(&self, simd: S, radius: Lanes<S>, depths: &mut Depths<S>) {
         if !WATCHES {

@@ -86,13 +86,13 @@ impl<S: Simd> Lanes<S> {
         Self::new(self.simd, self.simd.div_f64s(self.value, other.value))
     }
 
-    /// The smaller of both; `other` where one is not a number.
+    /// The smaller of both numbers.
     #[inline(always)]
     pub(crate) fn or_smaller(self, other: Self) -> Self {
         Self::new(self.simd, self.simd.min_f64s(self.value, other.value))
     }
 
-    /// The larger of both; `other` where one is not a number.
+    /// The larger of both numbers.
     #[inline(always)]
     pub(crate) fn or_larger(self, other: Self) -> Self {
         Self::new(self.simd, self.simd.max_f64s(self.value, other.value))
