@@ -47,6 +47,25 @@ pub struct ClaimRequest {
     pub wait_s: f64,
 }
 
+impl ClaimRequest {
+    /// Of a worker of one thread that computes every kind, says nothing more of its machine, and does not wait.
+    pub fn new(worker_id: Uuid, name: &str, host: &str, engine_version: &str) -> Self {
+        Self {
+            worker_id,
+            name: name.to_owned(),
+            host: host.to_owned(),
+            threads: 1,
+            engine_version: engine_version.to_owned(),
+            kinds: JobKind::ALL.to_vec(),
+            calibration: None,
+            memory_mb: None,
+            disk_mb: None,
+            time_left_s: None,
+            wait_s: 0.0,
+        }
+    }
+}
+
 /// A job handed to a worker.
 #[derive(Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Lease {

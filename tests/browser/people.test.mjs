@@ -83,6 +83,7 @@ test("a group shares its jobs, and a stranger sees one by a link", async () => {
       await page.goto(`/jobs/${id}`);
       await state(page, "succeeded").waitFor();
       await part(page, "share").click();
+      await part(page, "share-files").check();
       await part(page, "share-make").click();
       link = await part(page, "share-link").innerText();
       await isAccessible(page, "sharing");
@@ -107,12 +108,17 @@ test("a group shares its jobs, and a stranger sees one by a link", async () => {
     async (page) => {
       await state(page, "succeeded").waitFor();
       await part(page, "curve-over").waitFor();
+      for (const shown of ["results", "quality", "show-snapshots"]) await part(page, shown).waitFor();
       const took = performance.now() - invited;
       assert.ok(took < INVITED_UNTIL_SHARED, `${took} ms`);
       assert.ok(!page.url().includes("#"), "the secret leaves the address");
       for (const hidden of ["share", "delete", "rename", "new-job"]) {
         assert.equal(await part(page, hidden).count(), 0, hidden);
       }
+      await part(page, "run-facts").locator("summary").click();
+      await page.getByRole("heading", { name: "Provenance" }).waitFor();
+      await part(page, "show-snapshots").click();
+      await part(page, "viewport").waitFor();
       await isAccessible(page, "a shared job");
       await fitsThePhone(page, "a shared job");
       await picture(page, "shared-job");

@@ -15,6 +15,7 @@ mod faulty_machines;
 mod killed_server;
 mod killed_workers;
 mod overrun;
+mod paced;
 mod planned_stops;
 mod stale_leases;
 mod stopped_workers;

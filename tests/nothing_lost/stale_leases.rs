@@ -1,7 +1,7 @@
 //! The worker's side of the protocol driven by hand: whoever no longer holds the lease is refused
 //! on every route, and nothing of it shows.
 use loadframe_api::worker::{ClaimRequest, LEASE_TOKEN_HEADER, Lease};
-use loadframe_api::{JobKind, JobOutcome, JobStatus, sha256_hex};
+use loadframe_api::{JobOutcome, JobStatus, sha256_hex};
 use loadframe_tests::{Answer, Server, TINY, losses, until, with_seed};
 use serde_json::{Value, json};
 use uuid::Uuid;
@@ -9,19 +9,7 @@ use uuid::Uuid;
 const FILE: &[u8] = b"nominal_strain,force_n\n0,0\n";
 
 fn claim(server: &Server) -> Option<Lease> {
-    let request = ClaimRequest {
-        worker_id: Uuid::new_v4(),
-        name: "by hand".to_owned(),
-        host: "here".to_owned(),
-        threads: 1,
-        engine_version: "0".to_owned(),
-        kinds: JobKind::ALL.to_vec(),
-        calibration: None,
-        memory_mb: None,
-        disk_mb: None,
-        time_left_s: None,
-        wait_s: 0.0,
-    };
+    let request = ClaimRequest::new(Uuid::new_v4(), "by hand", "here", "0");
     let answer = server.client.post("/v1/worker/claims", &request);
     match answer.status {
         204 => None,

@@ -2,7 +2,6 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use loadframe_api::JobKind;
 use loadframe_api::worker::{ClaimRequest, Lease};
 use loadframe_client::direct::DIRECT_FROM_HEADER;
 use loadframe_client::{ServerClient, ServerError};
@@ -97,18 +96,13 @@ impl Worker {
             folder: options.scratch.clone(),
             source,
         })?;
+        let engine = options.engine.build();
         let claim = ClaimRequest {
-            worker_id: Uuid::new_v4(),
-            name: options.name,
-            host: host_name(),
             threads: u32::try_from(options.threads).unwrap_or(u32::MAX),
-            engine_version: options.engine.build(),
-            kinds: JobKind::ALL.to_vec(),
             calibration: calibrate(),
             memory_mb: options.memory_mb,
-            disk_mb: None,
-            time_left_s: None,
             wait_s: CLAIM_WAIT_S,
+            ..ClaimRequest::new(Uuid::new_v4(), &options.name, &host_name(), &engine)
         };
         Ok(Self {
             context: AttemptContext {

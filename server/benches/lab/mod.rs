@@ -122,17 +122,8 @@ impl Server {
 
     pub(crate) async fn claim(&self, wait_s: f64) -> Option<Lease> {
         let claim = ClaimRequest {
-            worker_id: Uuid::new_v4(),
-            name: "bench".to_owned(),
-            host: "bench".to_owned(),
-            threads: 1,
-            engine_version: "bench".to_owned(),
-            kinds: JobKind::ALL.to_vec(),
-            calibration: None,
-            memory_mb: None,
-            disk_mb: None,
-            time_left_s: None,
             wait_s,
+            ..ClaimRequest::new(Uuid::new_v4(), "bench", "bench", "bench")
         };
         let request = self
             .as_worker(Method::POST, "/v1/worker/claims")

@@ -80,6 +80,8 @@ pub(crate) struct Access {
     pub(super) wrong_for_account: Guesses<String>,
     /// Requests, by who sends them.
     pub(super) pace: Pace<Sender>,
+    /// Heartbeats by themselves: a lease lives by them, whatever else comes too fast with the same token.
+    pub(super) heartbeats: Pace<Sender>,
     pub(super) single_sign_on: Option<Arc<SingleSignOn>>,
     pub(super) hashing: Arc<Semaphore>,
     visits: Mutex<HashMap<(Uuid, Option<IpAddr>), Instant>>,
@@ -99,6 +101,7 @@ impl Access {
             wrong_passwords: Guesses::default(),
             wrong_for_account: Guesses::default(),
             pace: Pace::new(config.requests_per_s),
+            heartbeats: Pace::new(config.requests_per_s),
             single_sign_on: config.single_sign_on.clone(),
             hashing: Arc::new(Semaphore::new(HASHES_AT_ONCE)),
             visits: Mutex::default(),

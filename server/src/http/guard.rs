@@ -18,7 +18,7 @@ use super::problem::{
     ApiError, FORBIDDEN, Result, SIGN_IN_NEEDED, TOKEN_NEEDED, TOO_MANY_GUESSES, TOO_MANY_REQUESTS,
 };
 use super::state::AppState;
-use crate::access::Caller;
+use crate::access::{Caller, Pace};
 
 /// How long every further guess takes.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -58,7 +58,11 @@ pub(super) async fn guard(
         }
         let path = request.uri().path();
         let is_open = |(method, of): &(Method, &str)| method == request.method() && *of == path;
-        count(&state, caller.as_ref(), &trace)?;
+        let pace = match is_heartbeat(request.method(), path) {
+            true => &state.access.heartbeats,
+            false => &state.access.pace,
+        };
+        count(pace, caller.as_ref(), &trace)?;
         match caller {
             Some(caller) => {
                 note_visit(&state, &caller, &trace).await;
@@ -69,7 +73,7 @@ pub(super) async fn guard(
             None => return Err(refuse(&state, &given, &trace).await),
         }
     } else {
-        count(&state, None, &trace)?;
+        count(&state.access.pace, None, &trace)?;
     }
     request.extensions_mut().insert(trace);
     let mut response = next.run(request).await;
@@ -80,15 +84,19 @@ pub(super) async fn guard(
     Ok(response)
 }
 
+fn is_heartbeat(method: &Method, path: &str) -> bool {
+    let lease = path.strip_prefix("/v1/worker/leases/");
+    method == Method::POST && lease.is_some_and(|lease| lease.ends_with("/heartbeat"))
+}
+
 /// Counts a request with those of its sender.
 ///
 /// # Errors
 /// 429 when they are too many a second.
-fn count(state: &AppState, caller: Option<&Caller>, trace: &Trace) -> Result<()> {
+fn count(pace: &Pace<Sender>, caller: Option<&Caller>, trace: &Trace) -> Result<()> {
     let Some(sender) = Sender::of(caller, trace.address) else {
         return Ok(());
     };
-    let pace = &state.access.pace;
     let Err(wait) = pace.take(sender, Instant::now()) else {
         return Ok(());
     };

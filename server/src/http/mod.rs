@@ -43,15 +43,17 @@ mod trash;
 mod worker;
 mod workers;
 
-use axum::Router;
+use std::sync::OnceLock;
+
 use axum::middleware::{from_fn, from_fn_with_state};
+use axum::{Extension, Router};
+use serde_json::Value;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::trace::TraceLayer;
 use utoipa_axum::router::OpenApiRouter;
 
 pub(crate) use metrics::keep_folded as keep_metrics_folded;
-pub use openapi::document;
 pub use state::AppState;
 
 /// What the log calls a request: never by its query, in which a provider of single sign-on sends a code.
@@ -78,12 +80,23 @@ fn routes() -> OpenApiRouter<AppState> {
         .merge(openapi::router())
 }
 
+/// The OpenAPI document of [`routes`], built on first use.
+///
+/// # Errors
+/// If the generated paths cannot be written as JSON, which a test rules out.
+pub fn document() -> Result<&'static Value, &'static serde_json::Error> {
+    static DOCUMENT: OnceLock<serde_json::Result<Value>> = OnceLock::new();
+    let build = || openapi::complete(routes().into_openapi());
+    DOCUMENT.get_or_init(build).as_ref()
+}
+
 /// The whole service.
 pub fn router(state: AppState) -> Router {
     let (router, _) = routes().split_for_parts();
     router
         .merge(docs::router())
         .merge(guide::router())
+        .layer(Extension(openapi::Document(document)))
         .fallback(page::serve)
         .method_not_allowed_fallback(problem::method_not_allowed)
         .layer(from_fn_with_state(state.clone(), guard::guard))

@@ -5,7 +5,7 @@ use loadframe_api::{FileEntry, check_file_name};
 use loadframe_client::direct::{Becomes, DirectEnd, DirectRequest, DirectUpload};
 
 use super::blobs::check_sha256;
-use super::bucket::{PART, Together};
+use super::bucket::direct::{PART, Together};
 use super::checkpoints::{LARGEST_CHECKPOINT, check_times};
 use super::error::{Result, StoreError};
 use super::files::LARGEST_FILE;

@@ -45,6 +45,7 @@ mod error;
 mod events;
 mod files;
 mod folder;
+mod handle;
 mod identity;
 mod jobs;
 mod kept;
@@ -76,156 +77,18 @@ mod where_files;
 mod workers;
 mod writer;
 
-use std::fs::File;
-use std::sync::{Arc, Mutex};
-
-use loadframe_api::{Calibration, Timestamp};
-use tokio::sync::{OnceCell, watch};
-
 pub use backup::{BackupReport, backup, backup_from, restore, restore_to};
-use blobs::Blobs;
 pub use bucket::{BucketKeys, BucketSettings};
-use calls::Calls;
 pub use calls::Waiting;
 pub use clock::Clock;
 pub use compared::{Compared, CurvePart};
 pub use database::{DatabaseAddress, DatabasePlace};
-use database::{Pool, Sharing};
-use error::Result;
 pub(crate) use error::chain;
 pub use error::{Loss, StoreError};
 pub use events::StoredEvent;
+pub use handle::Store;
 pub use moving::{MoveReport, move_store};
-use people::{AccessState, Actor};
-use pulses::Pulses;
-use reserve::Reserve;
 pub use scrub::{LostFile, ScrubReport};
 pub use search::Wanted;
 pub use storage::Content;
-use supervision::Restarts;
 pub use types::*;
-use writer::{Change, Work, Writer};
-
-/// The store; a clone is another handle on the same one. What is changed through a handle is written
-/// down as done by its actor, if it has one.
-#[derive(Clone, Debug)]
-pub struct Store(Arc<Inner>, Option<Arc<Actor>>);
-
-#[derive(Debug)]
-struct Inner {
-    options: StoreOptions,
-    writer: Writer,
-    reserve: Arc<Reserve>,
-    restarts: Arc<Restarts>,
-    reads: Pool,
-    /// For what a worker or a health check waits for, who a caller is, and one job: never behind a list.
-    lookups: Pool,
-    blobs: Blobs,
-    /// Heartbeats that are not written down yet.
-    pulses: Arc<Pulses>,
-    last_event: watch::Receiver<u64>,
-    queued: watch::Receiver<u64>,
-    calls: Arc<Calls>,
-    /// The speed of workers, and when it was read [ms since 1970].
-    speed: Mutex<Option<(i64, Option<Calibration>)>>,
-    access: Arc<AccessState>,
-    /// The key that secrets of webhooks follow from, once it is known.
-    webhook_key: OnceCell<[u8; 32]>,
-    sharing: Sharing,
-    /// Held as long as the store is open, by a server's store.
-    _lock: Option<File>,
-}
-
-impl Store {
-    /// What the store was opened with.
-    pub fn options(&self) -> &StoreOptions {
-        &self.0.options
-    }
-
-    /// This moment, by the store's clock.
-    pub(super) fn now(&self) -> Timestamp {
-        self.0.options.clock.now()
-    }
-
-    /// Wakes after every commit that put a job into the queue.
-    pub fn queued(&self) -> watch::Receiver<u64> {
-        self.0.queued.clone()
-    }
-
-    fn last_event_receiver(&self) -> watch::Receiver<u64> {
-        self.0.last_event.clone()
-    }
-
-    fn reads(&self) -> &Pool {
-        &self.0.reads
-    }
-
-    fn lookups(&self) -> &Pool {
-        &self.0.lookups
-    }
-
-    fn pulses(&self) -> &Arc<Pulses> {
-        &self.0.pulses
-    }
-
-    fn blobs(&self) -> &Blobs {
-        &self.0.blobs
-    }
-
-    fn access_state(&self) -> &Arc<AccessState> {
-        &self.0.access
-    }
-
-    /// Writes what has to wait while the disk is full.
-    ///
-    /// # Errors
-    /// [`StoreError::Full`], and those of the command and its commit.
-    async fn write<T, F>(&self, command: F) -> Result<T>
-    where
-        T: Send + 'static,
-        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
-    {
-        reserve::admit(&self.0.reserve)?;
-        self.write_from_reserve(command).await
-    }
-
-    /// Writes what frees or saves something (a cancel, a heartbeat, an end), whatever room there is.
-    async fn write_from_reserve<T, F>(&self, command: F) -> Result<T>
-    where
-        T: Send + 'static,
-        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
-    {
-        let actor = self.1.clone();
-        let written = self.0.writer.write(move |change| {
-            change.actor = actor;
-            command(change)
-        });
-        written.await.map_err(
-            |error| match (self.0.reserve.note(error), self.0.reserve.full()) {
-                // the transaction it was in did not fit
-                (StoreError::Unavailable, Some(_)) => StoreError::Full,
-                (error, _) => error,
-            },
-        )
-    }
-
-    /// An error of the disk, looked at.
-    fn noted(&self, error: StoreError) -> StoreError {
-        self.0.reserve.note(error)
-    }
-
-    /// Why the disk is taken for full, if it is.
-    pub fn full(&self) -> Option<String> {
-        self.0.reserve.full()
-    }
-
-    /// Does some work that never ends on one server of the database at a time.
-    pub async fn as_duty(&self, name: &'static str, work: impl Future<Output = ()>) {
-        self.0.sharing.as_duty(name, work).await;
-    }
-
-    /// Looks whether a disk that was full has room again, until dropped.
-    pub async fn keep_looking_for_room(self) {
-        self.0.reserve.keep_looking().await;
-    }
-}

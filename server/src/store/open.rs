@@ -10,6 +10,7 @@ use super::calls::Calls;
 use super::clock::Clock;
 use super::database::{Connection, Database, DatabasePlace, Reading, query_scalar};
 use super::error::{Result, StoreError};
+use super::handle::{Inner, Store};
 use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::people::AccessState;
 use super::place::refuse_network;
@@ -17,9 +18,9 @@ use super::private::{private_database, private_folder};
 use super::reserve::{Reserve, is_full};
 use super::storage::Storage;
 use super::supervision::Restarts;
+use super::types::StoreOptions;
 use super::where_files::{place_beside, record, require_same};
 use super::writer::{Announcements, Guards, Writer};
-use super::{Inner, Store, StoreOptions};
 
 /// Reads at once.
 const READERS: u32 = 4;

@@ -47,7 +47,9 @@ pub struct Addresses {
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AddressError {
-    #[error("this is no address of http or https with a host and without a name and password")]
+    #[error(
+        "this is no address of http or https with a host, without a name and password, a fragment, spaces or backslashes"
+    )]
     Form,
     #[error("the host {0:?} cannot be found")]
     Unknown(String),
@@ -76,8 +78,16 @@ impl Addresses {
     /// # Errors
     /// [`AddressError`]; one private address among several is enough.
     pub async fn look_up(&self, text: &str) -> Result<Destination, AddressError> {
+        // the parser would read these as something else, or leave them out
+        let is_misread = |c: char| c.is_control() || c.is_whitespace() || c == '\\';
+        if text.contains(is_misread) {
+            return Err(AddressError::Form);
+        }
         let url = Url::parse(text).map_err(|_| AddressError::Form)?;
-        let is_plain = url.username().is_empty() && url.password().is_none();
+        let is_plain = url.username().is_empty()
+            && url.password().is_none()
+            && url.fragment().is_none()
+            && url.port() != Some(0);
         if !matches!(url.scheme(), "http" | "https") || !is_plain {
             return Err(AddressError::Form);
         }
@@ -182,6 +192,11 @@ mod tests {
             "http://a@8.8.8.8/",
             "http://:b@8.8.8.8/",
             "gopher://8.8.8.8",
+            "http://8.8.8.8:0/",
+            "http://8.8.8.8/#fragment",
+            "http://8.8.8.8/\r\nhost: inner",
+            " http://8.8.8.8/",
+            "http://8.8.8.8\\@127.0.0.1/",
         ] {
             assert_eq!(
                 addresses.look_up(wrong).await,

@@ -1,5 +1,9 @@
 //! How many requests a second are answered, and whose.
+use axum::body::Body;
+use axum::http::Request;
 use loadframe_api::people::Scope;
+use loadframe_api::worker::ClaimRequest;
+use uuid::Uuid;
 
 use crate::support::{Answer, JSON, Lab, key, request};
 
@@ -12,6 +16,11 @@ async fn exhaust(ask: impl AsyncFn() -> Answer) -> (usize, Answer) {
         }
     }
     panic!("a thousand requests were answered");
+}
+
+/// Makes a POST, as often as it is asked.
+fn request_of(path: &str, headers: &[(&str, &str)], body: &str) -> impl Fn() -> Request<Body> {
+    move || request("POST", path, headers, body)
 }
 
 #[tokio::test]
@@ -69,6 +78,18 @@ async fn too_many_requests_with_one_token_or_from_one_address_hold_up_nobody_els
     let beat = lab.send(request("POST", &heartbeat, &headers, "")).await;
     assert_eq!(beat.status, 200, "{beat:?}");
     assert_eq!(list(&other).await.status, 200);
+
+    // also where claims with its token come too fast: heartbeats are counted by themselves, but counted
+    let hasty_worker = [JSON, ("authorization", worker.as_str())];
+    let claim = ClaimRequest::new(Uuid::from_u128(8), "hasty", "test", "0");
+    let claim = serde_json::to_string(&claim).expect("JSON");
+    let claims = request_of("/v1/worker/claims", &hasty_worker, &claim);
+    let (_, refused) = exhaust(async || lab.send(claims()).await).await;
+    refused.problem(429, "too-many-requests");
+    let heartbeats = request_of(&heartbeat, &headers, "");
+    assert_eq!(lab.send(heartbeats()).await.status, 200);
+    let (_, refused) = exhaust(async || lab.send(heartbeats()).await).await;
+    refused.problem(429, "too-many-requests");
 
     // and who waits as it was told is answered
     tokio::time::sleep(std::time::Duration::from_secs(wait.into())).await;

@@ -139,19 +139,7 @@ impl Lab {
     /// Claims the next job as a worker would.
     pub(crate) fn claim(&self) -> BoxFuture<'_, Lease> {
         Box::pin(async move {
-            let claim = ClaimRequest {
-                worker_id: Uuid::from_u128(7),
-                name: "by hand".to_owned(),
-                host: "test".to_owned(),
-                threads: 1,
-                engine_version: "0".to_owned(),
-                kinds: JobKind::ALL.to_vec(),
-                calibration: None,
-                memory_mb: None,
-                disk_mb: None,
-                time_left_s: None,
-                wait_s: 0.0,
-            };
+            let claim = ClaimRequest::new(Uuid::from_u128(7), "by hand", "test", "0");
             let lease = self.store.claim(&claim).await.expect("a claim");
             lease.expect("a job is waiting")
         })

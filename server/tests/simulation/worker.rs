@@ -5,9 +5,7 @@ use loadframe_api::worker::{
     ClaimRequest, Command, CompleteRequest, CurveBlock, FailCode, FailRequest, FaultCode,
     FaultRequest, Lease, ProgressReport, ReleaseReason,
 };
-use loadframe_api::{
-    Cost, FileEntry, JobKind, Outcome, OutcomeStatus, Provenance, Quantity, sha256_hex,
-};
+use loadframe_api::{Cost, FileEntry, Outcome, OutcomeStatus, Provenance, Quantity, sha256_hex};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use uuid::Uuid;
@@ -116,19 +114,7 @@ impl Worker {
     }
 
     fn claim(&self) -> Request {
-        Request::Claim(ClaimRequest {
-            worker_id: self.id,
-            name: self.name.clone(),
-            host: self.name.clone(),
-            threads: 1,
-            engine_version: "1".to_owned(),
-            kinds: JobKind::ALL.to_vec(),
-            calibration: None,
-            memory_mb: None,
-            disk_mb: None,
-            time_left_s: None,
-            wait_s: 0.0,
-        })
+        Request::Claim(ClaimRequest::new(self.id, &self.name, &self.name, "1"))
     }
 
     /// Takes in the answer to what it sent.

@@ -274,19 +274,10 @@ pub(crate) fn submission(name: &str, priority: i32) -> Submission {
 /// A worker process just started.
 pub(crate) fn worker(name: &str) -> ClaimRequest {
     ClaimRequest {
-        worker_id: Uuid::new_v4(),
-        name: name.to_owned(),
-        host: "lab".to_owned(),
-        threads: 1,
-        engine_version: "1".to_owned(),
-        kinds: JobKind::ALL.to_vec(),
         calibration: Some(Calibration {
             bond_evaluations_per_s: 2.0e8,
         }),
-        memory_mb: None,
-        disk_mb: None,
-        time_left_s: None,
-        wait_s: 0.0,
+        ..ClaimRequest::new(Uuid::new_v4(), name, "lab", "1")
     }
 }
 

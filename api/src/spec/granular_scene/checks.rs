@@ -25,7 +25,7 @@ pub(super) fn check(spec: &GranularScene, violations: &mut Violations) {
     check_walls::check(spec, violations);
     check_stages(spec, violations);
     super::supply_checks::check(spec, violations);
-    super::replace::check(spec, violations);
+    super::replacements::check(spec, violations);
     check_recorded(spec, violations);
     let bodies = spec.given_bodies();
     let is_all_given = spec.generators().next().is_none() && !bodies.iter().any(Body::is_filled);

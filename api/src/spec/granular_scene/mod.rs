@@ -39,6 +39,7 @@ mod record;
 mod region;
 mod relax;
 mod replace;
+mod replacements;
 pub(crate) mod results;
 mod rolling;
 mod speeds;

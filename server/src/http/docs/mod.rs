@@ -4,14 +4,15 @@ mod schema;
 
 use std::sync::OnceLock;
 
-use axum::Router;
 use axum::extract::Path;
 use axum::http::HeaderMap;
 use axum::response::{Redirect, Response};
 use axum::routing::get;
+use axum::{Extension, Router};
 use serde_json::Value;
 
 use super::AppState;
+use super::openapi::Document;
 use super::problem::{self, ApiError, Result};
 use super::sheet::{Content, Room, Sheet};
 use super::text::{prose, text};
@@ -34,9 +35,9 @@ pub(super) fn router() -> Router<AppState> {
         .route("/problems/{kind}", get(explain))
 }
 
-async fn read(headers: HeaderMap) -> Result<Response> {
+async fn read(Extension(document): Extension<Document>, headers: HeaderMap) -> Result<Response> {
     static SHEET: OnceLock<Sheet> = OnceLock::new();
-    let document = super::document().map_err(|error| ApiError::internal(error))?;
+    let document = document.get()?;
     Ok(SHEET.get_or_init(|| sheet(document)).answer(&headers))
 }
 

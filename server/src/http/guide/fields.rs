@@ -6,7 +6,7 @@
 use loadframe_api::{JobKind, kind_schema};
 use serde_json::Value;
 
-use super::Page;
+use super::page::{Page, home_of};
 use super::search::Entry;
 use crate::http::schema;
 use crate::http::sheet::{Content, Room, Sheet};
@@ -43,7 +43,7 @@ pub(super) fn page(kind: JobKind) -> (Page, Vec<Entry>) {
     }
     contents += "<li><a href=\"#results\">Results</a></li></ul>";
     let results = results(kind_schema(kind));
-    let home = super::home_of(kind);
+    let home = home_of(kind);
     let main = format!(
         "<h1>Fields of <code>{kind}</code></h1>\
          <p>{description} <a href=\"{home}\">{title}</a> tells how to use them. This page is written from the \

@@ -1,11 +1,12 @@
 //! `/guide`: what can be tested and how, for people, without scripts.
 //!
 //! [`source`] has the texts, which can be read in the repository as well; [`markdown`] makes them
-//! HTML, [`fields`] writes a reference from the schemas and [`listed`] what goes over all kinds, [`search`] finds sections of both. All is
+//! HTML, each on its [`page`], [`fields`] writes a reference from the schemas and [`listed`] what goes over all kinds, [`search`] finds sections of both. All is
 //! made once, when the guide is first asked for.
 mod fields;
 mod listed;
 mod markdown;
+mod page;
 mod search;
 mod source;
 
@@ -24,10 +25,8 @@ use super::problem::{ApiError, Result};
 use super::sheet::{Content, Room, Sheet};
 use super::text::text;
 use markdown::{Rendered, Section};
+use page::{Page, home_of};
 use search::Entry;
-
-/// The page that tells of several kinds; each of them has a section of its name there.
-const BALLAST: &str = "ballast";
 
 /// Headings down to this level are in the table of contents.
 const LOWEST_LEVEL: u8 = 4;
@@ -42,26 +41,10 @@ pub(super) fn router() -> Router<AppState> {
         .route("/guide/pictures/{name}", get(picture))
 }
 
-/// A page at its address.
-#[derive(Debug)]
-struct Page {
-    address: String,
-    sheet: Sheet,
-}
-
 #[derive(Debug)]
 struct Guide {
     pages: Vec<Page>,
     entries: Vec<Entry>,
-}
-
-/// The address of the page on a kind.
-fn home_of(kind: JobKind) -> String {
-    let name = kind.name();
-    match name.starts_with("ballast_") {
-        true => format!("/guide/{BALLAST}#{name}"),
-        false => format!("/guide/{name}"),
-    }
 }
 
 async fn index(headers: HeaderMap) -> Result<Response> {

@@ -7,11 +7,11 @@
 mod answers;
 mod components;
 
-use std::sync::OnceLock;
-
+use axum::Extension;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::Response;
 use serde_json::{Value, json};
+use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -28,13 +28,12 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
     params(("If-None-Match" = Option<String>, Header, description = "`ETag` of the answer you have")),
     responses((status = 200, description = "OpenAPI 3.1", body = Object, headers(("ETag" = String))),
               (status = 304, description = "It has not changed")))]
-async fn read(headers: HeaderMap) -> Result<Response> {
+async fn read(Extension(document): Extension<Document>, headers: HeaderMap) -> Result<Response> {
     let tag = EntityTag::weak(crate::VERSION);
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
     }
-    let document = document().map_err(|error| ApiError::internal(error))?;
-    let mut response = tag.json(document);
+    let mut response = tag.json(document.get()?);
     let anybody = HeaderValue::from_static("no-cache");
     response
         .headers_mut()
@@ -42,18 +41,26 @@ async fn read(headers: HeaderMap) -> Result<Response> {
     Ok(response)
 }
 
-/// The document, built on first use.
+/// Where a handler finds the document, which is made of all routes, its own among them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Document(pub(super) fn() -> Result<&'static Value, &'static serde_json::Error>);
+
+impl Document {
+    /// The document.
+    ///
+    /// # Errors
+    /// An internal one where it could not be written.
+    pub(super) fn get(self) -> Result<&'static Value> {
+        self.0().map_err(|error| ApiError::internal(error))
+    }
+}
+
+/// The document of these routes.
 ///
 /// # Errors
 /// If the generated paths cannot be written as JSON, which a test rules out.
-pub fn document() -> Result<&'static Value, &'static serde_json::Error> {
-    static DOCUMENT: OnceLock<serde_json::Result<Value>> = OnceLock::new();
-    DOCUMENT.get_or_init(build).as_ref()
-}
-
-fn build() -> serde_json::Result<Value> {
-    let (_, api) = super::routes().split_for_parts();
-    let mut document = serde_json::to_value(api)?;
+pub(super) fn complete(routes: OpenApi) -> serde_json::Result<Value> {
+    let mut document = serde_json::to_value(routes)?;
     document["info"] = json!({
         "title": "loadframe",
         "version": crate::VERSION,

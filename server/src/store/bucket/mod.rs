@@ -8,7 +8,7 @@
 //! Bytes that this server sends are signed with their SHA-256, which the bucket's server holds them
 //! against. Bytes that it reads are held against their name as in a folder, and an object that was held
 //! against it is known by its `ETag` from there on.
-mod direct;
+pub(super) mod direct;
 mod settings;
 mod unfinished;
 
@@ -33,7 +33,6 @@ use sha2::{Digest, Sha256};
 use tokio::fs::File;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 
-pub(super) use direct::{PART, Together};
 pub use settings::{BucketKeys, BucketSettings};
 
 use super::disk::{CHUNK, hexadecimal};

@@ -1,9 +1,30 @@
-//! What is done alike with every database: a statement is prepared with its values and run.
+//! What is done alike with every database: a connection is held, a statement is prepared with its values and run.
 use futures_util::stream::{BoxStream, StreamExt};
-use sqlx::{Arguments, Encode, Executor, IntoArguments, Pool, SqlStr, Type};
+use sqlx::pool::PoolConnection;
+use sqlx::{Arguments, Encode, Executor, IntoArguments, Pool, SqlStr, Transaction, Type};
 
-use super::Link;
 use super::value::{Done, Row, Value};
+
+/// How a connection is held.
+#[derive(Debug)]
+pub(in super::super) enum Link<D: sqlx::Database> {
+    /// For itself.
+    Own(D::Connection),
+    /// From a pool, to which it goes back.
+    Pooled(PoolConnection<D>),
+    /// The same, for what the database was at one moment.
+    Snapshot(Transaction<'static, D>),
+}
+
+impl<D: sqlx::Database> Link<D> {
+    pub(super) fn connection(&mut self) -> &mut D::Connection {
+        match self {
+            Self::Own(connection) => connection,
+            Self::Pooled(connection) => connection,
+            Self::Snapshot(connection) => connection,
+        }
+    }
+}
 
 /// A database that statements are run on.
 pub(in super::super) trait Backend:

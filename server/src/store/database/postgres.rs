@@ -14,8 +14,9 @@ use sqlx::postgres::{
 use sqlx::{AssertSqlSafe, ConnectOptions, Executor, SqlSafeStr, SqlStr};
 
 use super::backend::{self, Backend};
+use super::connection::Reading;
+use super::own_words::Texts;
 use super::value::{Done, Kind, Value};
-use super::{Reading, Texts};
 
 /// Takes the store in this schema of this database for a transaction, and tells the moment.
 const BEGIN: &str = "BEGIN ISOLATION LEVEL READ COMMITTED;

@@ -11,8 +11,8 @@ use sqlx::sqlite::{
 use sqlx::{ConnectOptions, Executor, SqlStr};
 
 use super::backend::{self, Backend};
+use super::own_words::{NewTexts, Texts};
 use super::value::{Done, Value};
-use super::{NewTexts, Texts};
 
 /// The file of the database in its data folder.
 pub(in super::super) const FILE: &str = "loadframe.db";

@@ -10,8 +10,8 @@ use futures_util::stream::{BoxStream, TryStreamExt};
 use sqlx::{AssertSqlSafe, SqlSafeStr, SqlStr};
 
 use super::column::Column;
+use super::connection::{Connection, On};
 use super::value::{Bind, Done, FromRow, Row, Value};
-use super::{Connection, On};
 
 /// A statement that is run for what it does.
 #[derive(Debug)]

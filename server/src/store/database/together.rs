@@ -4,8 +4,7 @@ use futures_util::stream::TryStreamExt;
 use sqlx::sqlite::Sqlite;
 use sqlx::{AssertSqlSafe, Either, Executor};
 
-use super::Link;
-use super::backend::Backend;
+use super::backend::{Backend, Link};
 use super::statement::Query;
 use super::value::Row;
 
@@ -78,7 +77,7 @@ fn numbered(statement: &str, before: usize, to: &mut String) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Database, query, query_scalar};
+    use super::super::{Database, DatabasePlace, query, query_scalar};
     use super::numbered;
 
     #[test]
@@ -94,7 +93,7 @@ mod tests {
     #[tokio::test]
     async fn each_statement_gets_its_values_and_gives_its_rows() {
         let folder = tempfile::tempdir().expect("a folder");
-        let database = Database::at(&super::super::DatabasePlace::Folder, folder.path());
+        let database = Database::at(&DatabasePlace::Folder, folder.path());
         let mut connection = database.connect().await.expect("a connection");
         let all = connection.run_all(vec![
             query("CREATE TABLE t (a INTEGER)"),

@@ -8,7 +8,7 @@ use super::super::database::{Connection, query, query_as, query_scalar, row};
 use super::super::encoding::{variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
-use super::{clean_name, folded, refused};
+use super::checks::{clean_name, folded, refused};
 use crate::access::password;
 
 row! {

@@ -11,7 +11,7 @@ use super::super::Store;
 use super::super::database::{Connection, query, query_as, query_scalar, row};
 use super::super::error::{Result, StoreError};
 use super::super::jobs::hex_names;
-use super::clean_name;
+use super::checks::clean_name;
 use crate::access::{ComparisonFacts, ProjectFacts, Sight};
 
 /// Comparisons in a list.

@@ -10,7 +10,7 @@ use super::super::database::{query, query_as, query_scalar};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
 use super::accounts::PersonRow;
-use super::{clean_name, folded, refused};
+use super::checks::{clean_name, folded, refused};
 
 impl Store {
     /// Makes a group.

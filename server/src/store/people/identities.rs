@@ -7,7 +7,7 @@ use super::super::database::{query, query_as, query_scalar};
 use super::super::encoding::{parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
-use super::{clean_name, folded};
+use super::checks::{clean_name, folded};
 use crate::access::{Caller, Credential};
 
 /// Names tried before somebody is told that theirs is taken.

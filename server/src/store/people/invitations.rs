@@ -10,9 +10,9 @@ use super::super::database::{query, query_as, query_scalar, row};
 use super::super::encoding::{json, parsed, variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::accounts::{PersonRow, hashed};
+use super::checks::{clean_name, refused};
 use super::identities::clean_email;
 use super::secret::Secret;
-use super::{clean_name, refused};
 
 pub(super) const DAY: i64 = 24 * 3_600_000;
 

@@ -12,8 +12,8 @@ use super::super::Store;
 use super::super::database::{query, query_as, row};
 use super::super::encoding::{json, parsed};
 use super::super::error::{Result, StoreError};
+use super::checks::refused;
 use super::invitations::DAY;
-use super::refused;
 use super::webhook_key::Key;
 use super::webhooks::{Channel, once_each};
 

@@ -8,7 +8,7 @@ use super::super::database::{Connection, query, query_as, query_scalar, row};
 use super::super::encoding::{variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
-use super::{clean_name, refused};
+use super::checks::{clean_name, refused};
 
 row! {
     struct ProjectRow {

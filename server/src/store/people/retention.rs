@@ -10,8 +10,9 @@ use super::super::Store;
 use super::super::database::{Connection, query, query_as, query_scalar};
 use super::super::error::Result;
 use super::super::writer::Change;
+use super::Actor;
+use super::checks::refused;
 use super::invitations::DAY;
-use super::{Actor, refused};
 
 /// A rule removes nothing for so long after it was set [ms].
 pub const ANNOUNCED: i64 = 7 * DAY;

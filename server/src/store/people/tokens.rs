@@ -7,9 +7,9 @@ use super::super::Store;
 use super::super::database::{query, query_as, query_scalar, row};
 use super::super::encoding::{variant, wire_name};
 use super::super::error::{Result, StoreError};
+use super::checks::{clean_name, refused};
 use super::invitations::DAY;
 use super::secret::Secret;
-use super::{clean_name, refused};
 
 /// What a token begins with, so that people and secret scanners know it.
 const PREFIX: &str = "lf_";

@@ -10,7 +10,7 @@ use super::super::Store;
 use super::super::database::{query, query_as, query_scalar, row};
 use super::super::encoding::{json, parsed, wire_name};
 use super::super::error::{Result, StoreError};
-use super::refused;
+use super::checks::refused;
 use super::webhook_key::Key;
 
 /// Webhooks of a person.

@@ -7,7 +7,6 @@ use super::super::Store;
 use super::super::database::{query_as, row};
 use super::super::encoding::variant;
 use super::super::error::{Result, StoreError};
-use super::missing;
 
 /// Longest page.
 const LONGEST_PAGE: u32 = 1000;
@@ -18,6 +17,10 @@ pub enum TrashSight {
     Everything,
     /// Those of this person.
     Of(Uuid),
+}
+
+pub(super) fn missing(id: Uuid) -> StoreError {
+    StoreError::NotFound(format!("deleted job or project {id}"))
 }
 
 row! {

@@ -19,6 +19,7 @@ use super::people::Actor;
 use super::state::LifecycleRow;
 use super::writer::{Change, EventType};
 pub use listing::TrashSight;
+use listing::missing;
 
 /// Jobs that go or come in one change: others wait for it.
 const AT_ONCE: u32 = 50;
@@ -166,10 +167,6 @@ impl Store {
             }
         }
     }
-}
-
-fn missing(id: Uuid) -> StoreError {
-    StoreError::NotFound(format!("deleted job or project {id}"))
 }
 
 impl Change {

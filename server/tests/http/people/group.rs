@@ -25,6 +25,16 @@ pub(crate) struct Somebody {
     pub(crate) known_by: (&'static str, String),
 }
 
+impl Somebody {
+    /// The same, known by the secret of a token or a link.
+    fn with(&self, secret: &str) -> Self {
+        Self {
+            known_by: ("authorization", format!("Bearer {secret}")),
+            ..self.clone()
+        }
+    }
+}
+
 pub(crate) struct Group {
     pub(crate) lab: Lab,
     pub(crate) paper: Uuid,
@@ -120,14 +130,7 @@ impl Group {
             };
             let made = self.lab.store.create_token(Some(of.id), new).await;
             let made = made.expect("a token");
-            let known_by = ("authorization", format!("Bearer {}", made.secret));
-            (
-                Somebody {
-                    known_by,
-                    ..of.clone()
-                },
-                made.id,
-            )
+            (of.with(&made.secret), made.id)
         })
     }
 
@@ -141,14 +144,7 @@ impl Group {
             let made = self.lab.store.create_share(of.id, shown).await;
             let made = made.expect("a link");
             let (_, secret) = made.path.split_once('#').expect("a secret");
-            let known_by = ("authorization", format!("Bearer {secret}"));
-            (
-                Somebody {
-                    known_by,
-                    ..of.clone()
-                },
-                made.id,
-            )
+            (of.with(secret), made.id)
         })
     }
 }

@@ -1,5 +1,4 @@
 //! A section that must be held, and loaded by something.
-use super::outside;
 use crate::spec::composite_bending::{
     Axis, CompositeBending, Face, HistoryLoad, LoadPlace, Solver, Support, SupportWord, Supports,
     Test,
@@ -263,6 +262,26 @@ fn check_history(spec: &CompositeBending, violations: &mut Violations) {
                 .allowed("a load"),
         );
     }
+}
+
+/// A point of the section that lies outside of it.
+pub(super) fn outside(
+    spec: &CompositeBending,
+    pointer: String,
+    [x, y]: [f64; 2],
+) -> Option<Violation> {
+    let (length, height) = (spec.section.length_mm, spec.section.height_mm);
+    let is_inside = (0.0..=length).contains(&x) && (0.0..=height).contains(&y);
+    (!is_inside).then(|| {
+        Violation::new(
+            pointer,
+            "outside_section",
+            "the point lies outside the section",
+        )
+        .value(vec![x, y])
+        .allowed(format!("x from 0 to {length}, y from 0 to {height}"))
+        .unit("mm")
+    })
 }
 
 #[cfg(test)]

@@ -165,22 +165,7 @@ fn check_strain(name: &str, strain: f64, violations: &mut Violations) {
 
 fn check_probes(spec: &CompositeBending, violations: &mut Violations) {
     let probes = spec.probes_mm.iter().enumerate();
-    let wrong =
-        probes.filter_map(|(index, point)| outside(spec, format!("/probes_mm/{index}"), *point));
+    let wrong = probes
+        .filter_map(|(index, point)| held::outside(spec, format!("/probes_mm/{index}"), *point));
     violations.extend(wrong.take(LISTED_OF_A_SORT));
-}
-
-fn outside(spec: &CompositeBending, pointer: String, [x, y]: [f64; 2]) -> Option<Violation> {
-    let (length, height) = (spec.section.length_mm, spec.section.height_mm);
-    let is_inside = (0.0..=length).contains(&x) && (0.0..=height).contains(&y);
-    (!is_inside).then(|| {
-        Violation::new(
-            pointer,
-            "outside_section",
-            "the point lies outside the section",
-        )
-        .value(vec![x, y])
-        .allowed(format!("x from 0 to {length}, y from 0 to {height}"))
-        .unit("mm")
-    })
 }

@@ -13,7 +13,9 @@
 //! and bars store ½ ΔE ∫ ε² over the fibre's area in the cell, the mean strain's part of which the laminate has
 //! already. Of fibres that are thin beside the cells this is embedded reinforcement, which finite
 //! elements integrate along its path through their own field, without unknowns of its own [HartlHandel2002].
-use crate::section::{Band, Polygon};
+use loadframe_api::section::fibre::Band;
+use loadframe_api::section::polygon::Polygon;
+
 use crate::stiffness::{Stiffness, compliance};
 
 /// The bars of a cell's fibres, which have one direction.

@@ -1,7 +1,7 @@
 //! How well a grid follows what lies in it.
+use loadframe_api::section::fibre::Band;
 use loadframe_api::section::lines::pass_through;
 
-use crate::section::Band;
 use crate::section::grid::Grid;
 
 /// How well a grid follows what lies in it.

@@ -1,17 +1,18 @@
 //! A section laid out on its grid: what every cell holds.
 use std::fmt;
 
+use loadframe_api::section::fibre::{Band, refuse_overlap};
 use loadframe_api::section::lines::{Fine, Towards, fitted_lines, graded_lines, pass_through};
 use loadframe_harness::InterruptSource;
 
 use crate::error::{CompositeError, positive};
 use crate::material::{Material, Note, PlaneState};
 use crate::section::bars::Bars;
+use crate::section::described::{Ply, Section};
 use crate::section::fit::{Fit, fit};
 use crate::section::grid::{Division, Grid, Refinement, with_thin_rows};
 use crate::section::ply::{Strip, faces_mm, shares_between, strip};
 use crate::section::shares::{LEAST_SHARE, Part, shares};
-use crate::section::{Band, Ply, Section, refuse_overlap};
 use crate::stiffness::{Stiffness, laminate};
 
 /// A section on its grid, ready to become a lattice.

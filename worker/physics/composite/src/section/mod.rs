@@ -19,10 +19,9 @@ pub use grid::{Division, Grid, Refinement};
 pub(crate) use grid::{corner_weights, within};
 pub use layout::{Bounds, Layout};
 pub(crate) use layout::{Constituent, matrix_share};
+pub(crate) use loadframe_api::section::fibre::Band;
 pub use loadframe_api::section::fibre::Fibre;
-pub(crate) use loadframe_api::section::fibre::{Band, refuse_overlap};
 pub use loadframe_api::section::lines::Towards;
-pub(crate) use loadframe_api::section::polygon::Polygon;
 pub(crate) use ply::faces_mm;
 
 use loadframe_harness::Uninterrupted;

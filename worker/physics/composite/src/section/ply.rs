@@ -1,7 +1,7 @@
 //! Plies: the layers of a laminate, homogenised, from the bottom face to the top.
 use crate::error::{CompositeError, finite, positive};
 use crate::material::{Note, PlaneState};
-use crate::section::{Ply, Section};
+use crate::section::described::{Ply, Section};
 use crate::stiffness::{Stiffness, laminate, turned};
 
 /// How far the thicknesses of plies may miss the section's height, as a share of it.

@@ -1,10 +1,11 @@
 //! Which fibres the cells of a grid hold, and how much of them.
+use loadframe_api::section::fibre::Band;
+use loadframe_api::section::polygon::Polygon;
 use loadframe_harness::InterruptSource;
 
 use crate::error::CompositeError;
 use crate::section::bars::moments;
 use crate::section::grid::Grid;
-use crate::section::{Band, Polygon};
 
 /// A part of a cell's area below this is round-off, not a fibre.
 pub(super) const LEAST_SHARE: f64 = 1e-12;

@@ -18,7 +18,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Deepest, Passage, Scenery, Slip, Touch,
+    Depths, Passage, Scenery, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::Law,
     past::Past,
@@ -88,14 +88,14 @@ pub(crate) type FacetCandidate = (u32, Springs, Option<Past>);
 
 /// What the contacts of a patch with facets act on.
 #[derive(Debug)]
-pub(super) struct Sides<'a> {
+pub(super) struct Sides<'a, S: Simd> {
     /// First particle of the patch.
     pub(super) first: usize,
     /// On its particles.
     pub(super) wrenches: &'a mut Wrenches,
     /// On each mesh [N]; the fourth number is the power of its turning [W].
     pub(super) on_meshes: &'a mut [[f64; 4]],
-    pub(super) deepest: &'a mut Deepest,
+    pub(super) depths: &'a mut Depths<S>,
     pub(super) passed: &'a mut Vec<Passage>,
 }
 
@@ -117,7 +117,7 @@ struct Touched {
 impl<F: Law> FacetList<F> {
     /// Adds the forces on both sides.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, simd: S, scenery: Scenery<'_>, mut sides: Sides<'_>) {
+    pub(super) fn push<S: Simd>(&mut self, simd: S, scenery: Scenery<'_>, mut sides: Sides<'_, S>) {
         let (mut slot, mut pushed) = (0, 0);
         for visitor in 0..self.visitors.len() {
             slot = self.look(scenery, self.visitors[visitor], slot);
@@ -164,7 +164,7 @@ impl<F: Law> FacetList<F> {
         simd: S,
         scenery: Scenery<'_>,
         number: usize,
-        sides: &mut Sides<'_>,
+        sides: &mut Sides<'_, S>,
     ) {
         let next = (number + 1) * LANES;
         let end = (self.reached).partition_point(|near| (near.slot as usize) < next);
@@ -179,7 +179,7 @@ impl<F: Law> FacetList<F> {
             scenery,
             &touched,
             before,
-            sides.deepest,
+            sides.depths,
             #[inline(always)]
             |lane: usize, force: [f64; 4], moment: [f64; 4], resisting: Option<[f64; 4]>| {
                 if touched.touches[lane] == 0.0 {
@@ -342,7 +342,7 @@ impl<F: Law> FacetBlock<F> {
         scenery: Scenery<'_>,
         touched: &Touched,
         before: Before<'_>,
-        deepest: &mut Deepest,
+        depths: &mut Depths<S>,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) -> u8 {
         let kinematics = scenery.kinematics;
@@ -393,7 +393,7 @@ impl<F: Law> FacetBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
-            push.tell(simd, radius, deepest);
+            push.tell(simd, radius, depths);
             push.against_wall(simd, part, &touch, radius, &mut act);
         }
         touching

@@ -9,7 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Deepest, Passage, Scenery,
+    Deepest, Depths, Passage, Scenery,
     facets::{FacetCandidate, FacetList, Sides},
     law::Law,
     pairs::PairList,
@@ -207,23 +207,26 @@ impl<F: Law> WithSimd for Push<'_, F> {
             deepest,
             passed,
         } = acting;
+        let mut depths = Depths::none(simd);
         let pairs = [(&mut lists.inner, None), (&mut lists.outer, Some(halo))];
         for (list, halo) in pairs {
-            list.push(simd, kinematics, first, wrenches, halo, deepest);
+            list.push(simd, kinematics, first, wrenches, halo, &mut depths);
         }
         let (on_planes, on_meshes) = on_walls.split_at_mut(scenery.faces.len());
         let planes = lists.walls.iter_mut().zip(scenery.faces).zip(on_planes);
         for (wall, ((list, face), on_plane)) in (0..).zip(planes) {
-            *on_plane = list.push(simd, face, kinematics, first, wrenches, deepest);
+            *on_plane = list.push(simd, face, kinematics, first, wrenches, &mut depths);
+            deepest.take_in(depths);
             list.see_passages(face, kinematics, wall, deepest, passed);
         }
         let sides = Sides {
             first,
             wrenches,
             on_meshes,
-            deepest,
+            depths: &mut depths,
             passed,
         };
         (lists.facets).push(simd, scenery, sides);
+        deepest.take_in(depths);
     }
 }

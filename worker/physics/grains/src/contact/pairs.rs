@@ -13,7 +13,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Deepest, Kinematics, Slip, Touch,
+    Depths, Kinematics, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::{Law, direction},
 };
@@ -91,7 +91,7 @@ impl<F: Law> PairList<F> {
         first: usize,
         wrenches: &mut Wrenches,
         mut halo: Option<&mut Wrenches>,
-        deepest: &mut Deepest,
+        depths: &mut Depths<S>,
     ) {
         for index in 0..self.list.blocks.len() {
             self.ask(index + BLOCKS_AHEAD);
@@ -108,7 +108,7 @@ impl<F: Law> PairList<F> {
                 simd,
                 kinematics,
                 before,
-                deepest,
+                depths,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], torque: [f64; 4], moment: Option<[f64; 4]>| {
                     let a = a[lane] as usize - first;
@@ -180,7 +180,7 @@ impl<F: Law> PairBlock<F> {
         simd: S,
         kinematics: Kinematics<'_>,
         before: Before<'_>,
-        deepest: &mut Deepest,
+        depths: &mut Depths<S>,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) -> u8 {
         let mut touching = 0;
@@ -244,8 +244,7 @@ impl<F: Law> PairBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
-            let smaller = a.fourth.only_if(a.fourth.below(b.fourth), b.fourth);
-            push.tell(simd, smaller, deepest);
+            push.tell(simd, a.fourth.or_smaller(b.fourth), depths);
             let half = Lanes::splat(simd, 0.5) * overlap;
             let force = Gathered {
                 vector: normal.scaled(push.normal) + push.shear,

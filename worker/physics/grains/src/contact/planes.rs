@@ -11,7 +11,7 @@ use pulp::Simd;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Deepest, Kinematics, Passage, Slip, Touch,
+    Deepest, Depths, Kinematics, Passage, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::Law,
 };
@@ -60,7 +60,7 @@ impl<F: Law> WallList<F> {
         kinematics: Kinematics<'_>,
         first: usize,
         wrenches: &mut Wrenches,
-        deepest: &mut Deepest,
+        depths: &mut Depths<S>,
     ) -> [f64; 4] {
         let mut on_plane = [0.0; 4];
         for number in 0..self.list.blocks.len() {
@@ -71,7 +71,7 @@ impl<F: Law> WallList<F> {
                 face,
                 kinematics,
                 before,
-                deepest,
+                depths,
                 #[inline(always)]
                 |lane: usize, force: [f64; 4], moment: [f64; 4], _: Option<[f64; 4]>| {
                     let particle = particles[lane] as usize - first;
@@ -127,7 +127,7 @@ impl<F: Law> WallBlock<F> {
         face: &Face,
         kinematics: Kinematics<'_>,
         before: Before<'_>,
-        deepest: &mut Deepest,
+        depths: &mut Depths<S>,
         mut act: impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) -> u8 {
         let normal = Vectors::splat(simd, face.normal());
@@ -182,7 +182,7 @@ impl<F: Law> WallBlock<F> {
                 .law
                 .advance(simd, part, touch, slip, kinematics.time_step);
             touching |= bits::<S>(push.acts, part);
-            push.tell(simd, radius, deepest);
+            push.tell(simd, radius, depths);
             push.against_wall(simd, part, &touch, radius, &mut act);
         }
         touching

@@ -86,6 +86,18 @@ impl<S: Simd> Lanes<S> {
         Self::new(self.simd, self.simd.div_f64s(self.value, other.value))
     }
 
+    /// The smaller of both numbers.
+    #[inline(always)]
+    pub(crate) fn or_smaller(self, other: Self) -> Self {
+        Self::new(self.simd, self.simd.min_f64s(self.value, other.value))
+    }
+
+    /// The larger of both numbers.
+    #[inline(always)]
+    pub(crate) fn or_larger(self, other: Self) -> Self {
+        Self::new(self.simd, self.simd.max_f64s(self.value, other.value))
+    }
+
     #[inline(always)]
     pub(crate) fn at_most(self, other: Self) -> S::m64s {
         (self.simd).less_than_or_equal_f64s(self.value, other.value)

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 use loadframe_api::spec::granular_scene::{Body, Clump, Equal, GranularScene, Member, Replace};
 use loadframe_harness::rng::{Purpose, Streams};
 
-use super::specimen::about_centre;
 use crate::{
     generate::{bounding_radius, random_rotation},
+    geometry::{sphere::Sphere, union::mass_properties},
     numbers::Vector,
 };
 
@@ -61,4 +61,23 @@ pub(super) fn clumps(
         });
     }
     Ok((numbers, clumps))
+}
+
+/// Members about their centre of mass, and their volume [m³]: of the union when they are one body,
+/// else the sum.
+pub(super) fn about_centre(clump: &Clump, is_rigid: bool) -> (Vec<Sphere>, f64) {
+    let sphere = |member: &Member| Sphere::new(member.offset_m.into(), member.radius_m);
+    let mut members: Vec<Sphere> = clump.members.iter().map(sphere).collect();
+    let (centre, volume) = if is_rigid {
+        let properties = mass_properties(&members);
+        (properties.centroid, properties.volume)
+    } else {
+        let volume: f64 = members.iter().map(Sphere::volume).sum();
+        let weighted = members.iter().map(|member| member.centre * member.volume());
+        (weighted.sum::<Vector>() / volume, volume)
+    };
+    for member in &mut members {
+        member.centre -= centre;
+    }
+    (members, volume)
 }

@@ -19,10 +19,10 @@ use loadframe_harness::{
 use nalgebra::UnitQuaternion;
 use rand::seq::SliceRandom as _;
 
-use super::replacing;
+use super::replacing::{self, about_centre};
 use crate::{
     generate::{Amount, Region, Sizes, bounding_radius, insert, place_regularly, random_rotation},
-    geometry::{sphere::Sphere, union::mass_properties},
+    geometry::sphere::Sphere,
     numbers::Vector,
     walls::facets::{Facets, Pose, search::Search},
 };
@@ -319,25 +319,6 @@ impl<'a> Maker<'a> {
         };
         grains.map(body).collect()
     }
-}
-
-/// Members about their centre of mass, and their volume [m³]: of the union when they are one body,
-/// else the sum.
-pub(super) fn about_centre(clump: &Clump, is_rigid: bool) -> (Vec<Sphere>, f64) {
-    let sphere = |member: &Member| Sphere::new(member.offset_m.into(), member.radius_m);
-    let mut members: Vec<Sphere> = clump.members.iter().map(sphere).collect();
-    let (centre, volume) = if is_rigid {
-        let properties = mass_properties(&members);
-        (properties.centroid, properties.volume)
-    } else {
-        let volume: f64 = members.iter().map(Sphere::volume).sum();
-        let weighted = members.iter().map(|member| member.centre * member.volume());
-        (weighted.sum::<Vector>() / volume, volume)
-    };
-    for member in &mut members {
-        member.centre -= centre;
-    }
-    (members, volume)
 }
 
 /// Spheres of bodies that reach into a region's box.
