@@ -41,6 +41,10 @@ const INDEX_SHARPER: f64 = 0.5;
 /// Solutions for one rest before giving up: each knows better what is wanted.
 const ROUNDS: usize = 12;
 
+/// Strain from which on bars are taut enough for single precision, of which it is a hundred times the round-off, and for
+/// rigid groups.
+pub(super) const LEAST_TAUT: f64 = 1e-5;
+
 /// From where a solution starts, and how well what breaks next is to be known.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Start<'a> {
@@ -95,6 +99,7 @@ impl<'n> Relaxation<'n> {
             is_whole[element as usize] = false;
         }
         let (activity, _) = stand(network, clusters, &is_whole);
+        let is_taut = network.taut_strain() >= LEAST_TAUT;
         let system: Box<dyn System + 'n> = match network.model().level {
             // without nodes at bonds no segment is so short beside others that single precision loses it
             Level::Beam if !network.hanging().is_empty() => Box::new(Equations::<f32, 6>::new(
@@ -103,6 +108,11 @@ impl<'n> Relaxation<'n> {
             Level::Beam | Level::Tube => Box::new(Equations::<f64, 6>::new(
                 network, team, &is_whole, &activity, loads,
             )?),
+            Level::Truss if is_taut && !network.hanging().is_empty() => {
+                Box::new(Equations::<f32, 3>::new(
+                    network, team, &is_whole, &activity, loads,
+                )?)
+            }
             Level::Truss => Box::new(Equations::<f64, 3>::new(
                 network, team, &is_whole, &activity, loads,
             )?),
