@@ -564,28 +564,19 @@ def measure_together(folder: Path) -> dict:
 
 def errors_together(folder: Path) -> list[list[str]]:
     """Results over those of breaks one by one, less one: mean ± deviation, extremes, and the root of the mean square."""
-    rows = [["`break_precision`", *(f"{words}: mean, least to most, root mean square" for words in RESULTS.values()), "solutions over breaks"]]
+    rows = [["`break_precision`", *(f"{words}: mean, least to most, root mean square" for words in RESULTS.values())]]
     for precision in PRECISIONS:
-        cells, solutions = [], []
-        off = {name: [] for name in RESULTS}
+        cells, off = [], {name: [] for name in RESULTS}
         for length, seed in sheets_together():
             exact, found = (outcome_of(place_together(folder, length, seed, one)) for one in (0, precision))
             for name in RESULTS:
                 off[name].append(found["summary"][name]["value"] / exact["summary"][name]["value"] - 1)
-            breaks = found["summary"]["broken_bonds"]["value"]
-            solutions.append(steps_of(place_together(folder, length, seed, precision)) / breaks)
         for name in RESULTS:
             shares = [100 * share for share in off[name]]
             root = math.sqrt(statistics.mean(share * share for share in shares))
             cells.append(f"{statistics.mean(shares):+.1f} ({min(shares):+.1f} to {max(shares):+.1f}), {root:.1f} %".replace("-", "−"))
-        rows.append([f"{precision:g}", *cells, digits(statistics.mean(solutions))])
+        rows.append([f"{precision:g}", *cells])
     return rows
-
-
-def steps_of(path: Path) -> int:
-    """Rounds in which something broke."""
-    with (path / "events.csv").open() as file:
-        return len({(row["step"], row["round"]) for row in csv.DictReader(file)})
 
 
 # ── masses in motion ────────────────────────────────────────────────────────────────────────────────
