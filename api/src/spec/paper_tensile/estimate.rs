@@ -47,7 +47,7 @@ const POWER_OF_TAUT: f64 = 0.19;
 const UNKNOWN: f64 = 10.0;
 const BOND: f64 = 28.0;
 const ENTRY: f64 = 0.33;
-/// What is left of these in single precision.
+/// What is left of these in single precision, and of trusses, whose memory is half.
 const SINGLE: f64 = 0.38;
 /// Solutions at a precision of 0.1: with a power of what breaks, and another of the precision. Pulls of beams of
 /// 466, 1157 and 2434 fibres had 223, 170 and 304 with 1548 to 10 294 breaks, and 421 and 499 at 0.05. Damage of large
@@ -194,7 +194,8 @@ fn of_sheet(
         };
         let entries = iterated_entries(spec, unknowns);
         let each = UNKNOWN * unknowns + BOND * bonds + ENTRY * entries;
-        iterations * each * if is_single(spec) { SINGLE } else { 1.0 }
+        let is_light = is_single(spec) || tautness(spec).is_some();
+        iterations * each * if is_light { SINGLE } else { 1.0 }
     } else {
         let factor = MULTIPLICATION * 2.0 * entries * entries / unknowns.max(1.0);
         let yields = if spec.yields() { YIELDS } else { 0.0 };

@@ -16,6 +16,7 @@ const DIRECT: f64 = 1e6;
 /// Unknowns of a truss up to which iterations have a factor of it, unless its bars are taut by this strain.
 const FACTORED_TRUSS: f64 = 1e5;
 const LEAST_TAUT: f64 = 1e-5;
+const LEAST_PRECISION: f64 = 5e-3;
 /// Entries of a factor of tubes: a bond joins the four rings around it, all points with all.
 const TUBE_ENTRIES: f64 = 7.3;
 /// Memory of tubes [B] for an unknown and for a bond, counted: five springs for a point, the blocks of a bond's points.
@@ -232,20 +233,17 @@ pub(super) fn is_factored_truss(spec: &PaperTensile, unknowns: f64) -> bool {
     spec.level() == Level::Truss && tautness(spec).is_none() && unknowns <= FACTORED_TRUSS
 }
 
-/// Strain of the bars of a truss over that from which on they count as taut; none below.
+/// Strain of the bars of a truss over that from which on they count as taut; none below, and where every break is told
+/// exactly.
 pub(super) fn tautness(spec: &PaperTensile) -> Option<f64> {
     let strain = spec.model.taut_strain?;
-    (spec.level() == Level::Truss && strain >= LEAST_TAUT).then_some(strain / LEAST_TAUT)
+    let is_taut = strain >= LEAST_TAUT && spec.accuracy.knobs().break_precision >= LEAST_PRECISION;
+    (spec.level() == Level::Truss && is_taut).then_some(strain / LEAST_TAUT)
 }
 
 /// Whether iterations are in single precision.
 pub(super) fn is_single(spec: &PaperTensile) -> bool {
-    let has_stiff = match spec.level() {
-        Level::Beam => true,
-        Level::Truss => tautness(spec).is_some(),
-        Level::Tube => false,
-    };
-    has_stiff && spec.accuracy.knobs().bonds_at == BondsAt::Inside
+    spec.level() == Level::Beam && spec.accuracy.knobs().bonds_at == BondsAt::Inside
 }
 
 /// Memory [MB] of the process, of points and contacts while they are searched, as the sheets count them,

@@ -20,15 +20,14 @@ use super::super::error::FrameError;
 use super::super::factor::Factor;
 use super::groups::{Groups, Link, NONE};
 use super::operator::{Operator, parts, slices};
-use super::rest::LEAST_TAUT;
 use super::scalar::Scalar;
 
 /// Most nodes of a group; they have somewhat less than half on average. Iterations grow with the root of it,
 /// the factor shrinks faster: at 64 it takes a third of the time of an iteration of a square centimetre.
 const NODES: u32 = 64;
-/// The same of trusses that are taut, whose iterations hardly know how large groups are.
+/// The same of trusses, whose iterations hardly know how large groups are.
 const NODES_OF_TRUSS: u32 = 1024;
-/// Unknowns of a truss up to which each node is a group where bars are not [`LEAST_TAUT`].
+/// Unknowns of a truss up to which each node is a group, unless it is taut and asked for no exact rest.
 const FACTORED_TRUSS: usize = 100_000;
 /// What raises the diagonal, as a share of it: motions that nothing resists.
 const RAISED: f64 = 1e-9;
@@ -54,12 +53,12 @@ impl Bodies {
     /// [`FrameError`] when the factor does not fit into memory or a value is not finite.
     pub(super) fn new<const M: usize>(operator: &Operator<'_, M>) -> Result<Self, FrameError> {
         let network = operator.network;
-        let is_taut = M == 3 && network.taut_strain() >= LEAST_TAUT;
-        let is_factored = M == 3 && !is_taut && M * network.fibre_nodes() <= FACTORED_TRUSS;
-        let most = match (is_factored, is_taut) {
+        let is_small = M * network.fibre_nodes() <= FACTORED_TRUSS;
+        let is_factored = M == 3 && is_small && !operator.is_grouped;
+        let most = match (is_factored, M) {
             (true, _) => 1,
-            (false, true) => NODES_OF_TRUSS,
-            (false, false) => NODES,
+            (false, 3) => NODES_OF_TRUSS,
+            (false, _) => NODES,
         };
         let groups = Groups::new(&operator.is_free, links(operator), most);
         let centres: Vec<Vector3<f64>> = (0..groups.len())
