@@ -45,8 +45,10 @@ class Plot(NamedTuple):
             line = " L".join(f"{x(across):.1f} {y(up):.1f}" for across, up in one.points)
             parts.append(f'<path d="M{line}" fill="none" stroke="{colour}" stroke-width="2"/>')
             parts += [mark(index, x(across), y(up), colour) for across, up in one.points]
-            parts.append(mark(index, LEFT + 16, TOP + 16 + 20 * index, colour))
-            parts.append(text(LEFT + 28, TOP + 20 + 20 * index, one.name, "start"))
+            # names stand below on the right, where few quantities that grow come
+            below = HEIGHT - BOTTOM - 16 - 20 * (len(self.series) - 1 - index)
+            parts.append(mark(index, WIDTH - RIGHT - 250, below, colour))
+            parts.append(text(WIDTH - RIGHT - 238, below + 4, one.name, "start"))
         title = escape(", ".join(one.name for one in self.series) + f" over {self.across}")
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" '

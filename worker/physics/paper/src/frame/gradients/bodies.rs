@@ -9,7 +9,7 @@
 //! that of the truss: bars are hinged everywhere, and rigid pieces know nothing of how they fold. How large groups are
 //! changes nothing of that (1055 iterations with 64 nodes, 968 with 32, 635 with 8, with many more entries), and neither
 //! does it help to let every node free across the sheet, where bars fold most easily (417, with seven times the
-//! entries). What helps is that bars are taut: by 1e-5 it is 566 with 1024 nodes, by 1e-4 230 with 64.
+//! entries). What helps is that bars are taut: by 1e-5 it is 566 with 1024 nodes, by 1e-4 323.
 use std::ops::Range;
 
 use loadframe_numerics::Team;
