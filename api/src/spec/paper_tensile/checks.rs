@@ -20,6 +20,14 @@ pub(super) fn check(spec: &PaperTensile, violations: &mut Violations) {
     if !spec.specimen.is_single_fibre() {
         check_test(spec, violations);
     }
+    if let (Some(strain), false) = (spec.model.taut_strain, spec.level() == Level::Truss) {
+        let detail = "beams and tubes are held by their bending; only bars are taut";
+        violations.push(
+            Violation::new("/model/taut_strain", "not_of_this_level", detail)
+                .value(strain)
+                .allowed("left out, or model.level truss"),
+        );
+    }
     // a specimen of pulps that are wrong themselves says nothing more
     match &spec.specimen {
         _ if !has_pulps => {}

@@ -29,6 +29,12 @@ pub struct Model {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.01, max = 10.0), extend("x-unit" = "1"))]
     pub shear_coefficient: Option<f64>,
+    /// Of a truss: strain by which its bars are taut before they are pulled, as fibres are that dried held. What
+    /// a truss leaves loose is held by that alone; the larger it is the stiffer is the sheet and the fewer
+    /// iterations find its equilibrium. Left out: 1e-9, which changes nothing of what is not loose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1e-9, max = 0.01), extend("x-unit" = "1"))]
+    pub taut_strain: Option<f64>,
 }
 
 /// How much of a fibre the model knows.
@@ -90,6 +96,7 @@ impl Default for Model {
             ring: Ring::default(),
             on_inadmissible: OnInadmissible::default(),
             shear_coefficient: None,
+            taut_strain: None,
         }
     }
 }

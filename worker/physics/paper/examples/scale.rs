@@ -2,7 +2,7 @@
 //! `cargo run --release -p loadframe-paper --example scale -- length=1.9,3.5,8.4,14.6 to=10`.
 //!
 //! Keys and what they are if left out: `length` 2, or several, and `width` half of the length [mm], `grammage`
-//! 60 [g/m²], `segment` 100 [µm], `level` beam or truss, `bonds` inside or nodes, `solver` cost, direct or
+//! 60 [g/m²], `segment` 100 [µm], `level` beam or truss, `taut` 1e-9 (the strain of bars), `bonds` inside or nodes, `solver` cost, direct or
 //! iterative, `precision` 0.05, `threads` 1, `seed` 1, `to` rest (the first equilibrium), peak (a tenth below
 //! it, told every twentieth solution), end (a force of 0.3 of it) or a number of solutions. Times are those of the
 //! processor [s].
@@ -88,6 +88,7 @@ fn taken() -> [f64; 2] {
 /// What is asked.
 struct Asked {
     level: Level,
+    taut: f64,
     attachment: Attachment,
     solver: Solver,
     team: Arc<Team>,
@@ -121,7 +122,10 @@ fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
         attachment: asked.attachment,
         length_um: size_um[0],
     };
-    let network = network(&sheet, asked.segment_um, model)?;
+    let mut network = network(&sheet, asked.segment_um, model)?;
+    if asked.level == Level::Truss {
+        network = network.with_taut_bars(asked.taut)?;
+    }
     let fibres = network.fibres() as f64;
     let test = PullTest {
         max_strain: 0.2,
@@ -189,7 +193,7 @@ fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
     );
     let measures = pull.state().measures;
     println!(
-        "peak {:.6} mN at {:.9}, {:.3} nJ; {} bonds and {} segments broken in {} steps, {:.1} s, energy error {:.1e}, index error {:?}",
+        "peak {:.6} mN at {:.9}, {:.3} nJ; {} bonds and {} segments broken in {} steps, {:.1} s, energy error {:.1e}, index error {:?}, taut share {:.1e}",
         measures.peak_force_mn,
         measures.strain_at_peak,
         measures.work_to_peak_nj,
@@ -198,7 +202,8 @@ fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
         steps,
         taken()[0] - rested,
         measures.energy_error(),
-        measures.largest_index_error
+        measures.largest_index_error,
+        measures.largest_taut_share
     );
     Ok(())
 }
@@ -217,6 +222,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "truss" => Level::Truss,
             _ => Level::Beam,
         },
+        taut: number("taut", "1e-9")?,
         attachment: match text("bonds", "inside").as_str() {
             "inside" => Attachment::Inside,
             _ => Attachment::Node,

@@ -28,8 +28,8 @@ pub(crate) const PARTS: usize = 6;
 /// Motions or forces of two nodes: displacement and rotation of the first, then of the second.
 pub(crate) type Ends = [Vector3<f64>; 4];
 
-/// Transverse stiffness of a bar over its axial one: that of a string which is taut by this strain.
-/// It keeps what a truss leaves loose in place; its share of the energy is measured. Forces of a truss
+/// Transverse stiffness of a bar over its axial one: that of a string which is taut by this strain, unless a network
+/// is told another. It keeps what a truss leaves loose in place; its share of the energy is measured. Forces of a truss
 /// that is stiff by itself change by this share of a bar's stiffness over the truss's: a few 1e-8.
 pub(crate) const TAUT: f64 = 1e-9;
 
@@ -72,6 +72,15 @@ impl Element {
             axes: axes_along(along),
             bending,
             stiffness,
+        }
+    }
+
+    /// The same bar, taut by this strain.
+    pub(crate) fn taut(self, strain: f64) -> Self {
+        let [axial, _, _, ..] = self.stiffness;
+        Self {
+            stiffness: [axial, strain * axial, strain * axial, 0.0, 0.0, 0.0],
+            ..self
         }
     }
 

@@ -55,6 +55,9 @@ pub enum FrameError {
         allowed: f64,
         iterations: usize,
     },
+    /// Beams are held by their bending.
+    #[error("only bars are taut by a strain; these fibres are not bars")]
+    Taut,
     /// Bonds inside segments ask for iterations and small displacements.
     #[error(
         "bonds are attached inside segments, and neither a factor nor large displacements know these; attach them at nodes"

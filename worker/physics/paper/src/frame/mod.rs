@@ -21,8 +21,9 @@
 //! two points, not a body. For the flat sheets of tensile tests rotations are about z, across which
 //! the points are apart, and neither matters.
 //!
-//! A truss is loose across its fibres and at their ends. Its bars are taut by a strain of 1e-9, which
-//! holds what is loose and carries nothing else; [`PullMeasures::largest_taut_share`] is the share of
+//! A truss is loose across its fibres and at their ends. Its bars are taut by a strain of 1e-9, or by one that is
+//! given ([`Network::with_taut_bars`]), which holds what is loose and carries nothing else;
+//! [`PullMeasures::largest_taut_share`] is the share of
 //! the energy in it: where that is not small, the truss is a mechanism and its force means nothing.
 //! That is so for every sheet of fibres shorter than the distance of the jaws: n crossings of a fibre
 //! make n - 1 bars, one less than holds them all. Such a truss carries only once its fibres have turned.

@@ -8,8 +8,8 @@
 use nalgebra::Vector3;
 
 use super::clusters::{Standing, standings};
-use super::element::Element;
-use super::error::FrameError;
+use super::element::{Element, TAUT};
+use super::error::{FrameError, check};
 use super::input::{BeamSection, FrameBond, FrameFibre, FrameModel, Level};
 use super::places::{BondPlace, CentreLine, Jaw, Place};
 use super::tie::Tie;
@@ -27,6 +27,8 @@ use ends::{bond_ends, normal_of, strengths, void};
 pub struct Network {
     model: FrameModel,
     sections: Vec<BeamSection>,
+    /// Strain by which bars are taut; means nothing to beams.
+    taut_strain: f64,
     /// Of every bond: normal and shear strength [mN], infinite where it cannot break.
     strengths: Vec<[f64; 2]>,
     positions: Vec<Vector3<f64>>,
@@ -154,6 +156,7 @@ impl Network {
         let mut network = Self {
             model,
             sections: fibres.iter().map(|fibre| fibre.section).collect(),
+            taut_strain: TAUT,
             strengths: bonds.iter().map(strengths).collect(),
             positions: nodes.iter().map(|node| node.at).collect(),
             arcs: nodes.iter().map(|node| node.arc_um).collect(),
@@ -169,6 +172,31 @@ impl Network {
         };
         network.standing = network.standing_without(&network.unbroken());
         Ok(network)
+    }
+
+    /// The same with bars that are taut by this strain, as fibres are that dried held: 1e-9 otherwise. The more they
+    /// are the fewer iterations find equilibrium, for a truss is nearly a mechanism, and the stiffer it is.
+    ///
+    /// # Errors
+    /// [`FrameError::Value`] when the strain is not from 1e-9 to 0.01, [`FrameError::Taut`] when fibres are no bars.
+    pub fn with_taut_bars(mut self, strain: f64) -> Result<Self, FrameError> {
+        if self.model.level != Level::Truss {
+            return Err(FrameError::Taut);
+        }
+        let is_small = (TAUT..=0.01).contains(&strain);
+        let what = || "strain by which bars are taut".into();
+        check(what, strain, is_small, "1e-9 to 0.01")?;
+        self.taut_strain = strain;
+        let segments = self.segments();
+        for segment in &mut self.elements[..segments] {
+            *segment = segment.taut(strain);
+        }
+        Ok(self)
+    }
+
+    /// Strain by which bars are taut.
+    pub(crate) fn taut_strain(&self) -> f64 {
+        self.taut_strain
     }
 
     /// How it was built.

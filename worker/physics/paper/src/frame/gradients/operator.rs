@@ -24,6 +24,8 @@ pub(super) struct Operator<'n, const M: usize> {
     /// Whether a node of a fibre moves by what acts on it.
     pub(super) is_free: Vec<bool>,
     pub(super) is_active: Vec<bool>,
+    /// Whether nodes of a small truss are grouped as those of others are.
+    pub(super) is_grouped: bool,
     /// The points of bonds, fibre by fibre and along each: those of a fibre are
     /// `first_point[fibre]..first_point[fibre + 1]`.
     first_point: Vec<u32>,
@@ -144,6 +146,7 @@ impl<'n, const M: usize> Operator<'n, M> {
             network,
             is_free: vec![false; network.fibre_nodes()],
             is_active: vec![false; network.elements().len()],
+            is_grouped: false,
             moved: vec![[Vector3::zeros(); 2]; points.len()],
             first_point,
             points,

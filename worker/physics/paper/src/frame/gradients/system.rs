@@ -74,9 +74,10 @@ impl<'n, T: Scalar, const M: usize> Equations<'n, T, M> {
         team: Arc<Team>,
         is_whole: &[bool],
         activity: &Activity,
-        loads: &[NodeLoad],
+        (loads, is_grouped): (&[NodeLoad], bool),
     ) -> Result<Self, FrameError> {
         let mut operator = Operator::new(network, is_whole);
+        operator.is_grouped = is_grouped;
         for (element, &is_active) in activity.is_active.iter().enumerate() {
             operator.set_active(element, is_active);
         }

@@ -1,7 +1,7 @@
 //! A network of tubes, made of their springs and of bonds between them.
 use nalgebra::Vector3;
 
-use super::super::element::Element;
+use super::super::element::{Element, TAUT};
 use super::super::error::{FrameError, check};
 use super::super::input::{FrameBond, FrameFibre, FrameModel, Level};
 use super::super::places::{CentreLine, jaw_at};
@@ -119,6 +119,7 @@ impl Network {
         let mut network = Self {
             model,
             sections: fibres.iter().map(|fibre| fibre.section).collect(),
+            taut_strain: TAUT,
             strengths: bonds.iter().map(strengths).collect(),
             positions,
             arcs,

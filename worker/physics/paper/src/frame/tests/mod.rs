@@ -65,5 +65,6 @@ mod large;
 mod moving;
 mod refusals;
 mod sheets;
+mod taut;
 mod together;
 mod tubes;

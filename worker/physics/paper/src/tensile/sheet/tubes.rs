@@ -40,7 +40,12 @@ pub(super) fn network(
     model: FrameModel,
 ) -> Result<(Network, Option<Tubes>), SimulationError> {
     if model.level != Level::Tube {
-        return Ok((Network::new(fibres, bonds, model)?, None));
+        let network = Network::new(fibres, bonds, model)?;
+        let network = match spec.model.taut_strain {
+            Some(strain) => network.with_taut_bars(strain)?,
+            None => network,
+        };
+        return Ok((network, None));
     }
     let division = spec.model.division();
     let mut tubes = Vec::with_capacity(fibres.len());

@@ -12,6 +12,14 @@ const LARGEST_TAUT_SHARE: f64 = 0.01;
 /// A turn [rad] that small displacements follow to half a per cent: 1 - cos 0.1.
 const LARGEST_TURN: f64 = 0.1;
 
+/// A number of two digits, written out: 40, 0.0012.
+fn two_digits(value: f64) -> String {
+    let rounded = format!("{value:.1e}");
+    rounded
+        .parse::<f64>()
+        .map_or(rounded, |value| value.to_string())
+}
+
 /// What to know before the results are believed, of which there are all but these.
 pub(super) fn warn(
     report: &mut ReportBuilder,
@@ -69,10 +77,10 @@ pub(super) fn warn(
             "too_fast",
             format!(
                 "on the way to the largest force up to {:.3} of the elastic energy was in motion as well, where 0.01 \
-                 counts as rest: results depend on the speed. test.dynamics.strain_rate_per_s of {:.1e} or less \
+                 counts as rest: results depend on the speed. test.dynamics.strain_rate_per_s of {} or less \
                  should be at rest",
                 motion.kinetic_share,
-                slower * dynamics.strain_rate_per_s
+                two_digits(slower * dynamics.strain_rate_per_s)
             ),
         );
     }
@@ -115,5 +123,17 @@ pub(super) fn warn(
                 cox.held
             ),
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_are_told_in_two_digits_without_powers_of_ten() {
+        assert_eq!(two_digits(40.4), "40");
+        assert_eq!(two_digits(1234.0), "1200");
+        assert_eq!(two_digits(0.001_24), "0.0012");
     }
 }
