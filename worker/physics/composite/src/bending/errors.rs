@@ -148,7 +148,8 @@ impl Finding {
         })
     }
 
-    /// All that is known of how wrong a result is.
+    /// All that is known of how wrong a result is; nothing where nothing is known of its grid, for the solver's
+    /// part alone, a thousandth of it, would pass for the whole.
     /// `tenth` tells what a grid that is so many times finer costs.
     pub(super) fn parts(
         &self,
@@ -158,6 +159,9 @@ impl Finding {
         tenth: impl Fn(f64) -> Option<Tenth>,
     ) -> Vec<ErrorPart> {
         let grid = self.of_grid(measured, beside, comparison);
+        if grid.is_nan() {
+            return Vec::new();
+        }
         let tenth = self.finer_by(measured, comparison).and_then(tenth);
         let grid = ErrorPart::new("grid", grid, ErrorBasis::TwoGrids).with_tenth(tenth);
         let mut parts = vec![grid];
@@ -246,6 +250,23 @@ mod tests {
                 .of_grid(&measured(1.0), &[], CONVERGING)
                 .is_nan()
         );
+    }
+
+    #[test]
+    fn the_solver_alone_is_no_error_of_a_result() {
+        let by_static = Some(vec![("some".to_owned(), 1.5)]);
+        let parts = |coarser: &[f64], comparison| {
+            let found = Finding {
+                by_static: by_static.clone(),
+                ..finding(coarser)
+            };
+            let parts = found.parts(&measured(1.25), &[], comparison, |_| None);
+            parts.len()
+        };
+        assert_eq!(parts(&[1.5, 2.0], CONVERGING), 2);
+        // as on the paper's lattice, which has no limit, and where there are no coarser grids
+        assert_eq!(parts(&[], Comparison::None), 0);
+        assert_eq!(parts(&[], CONVERGING), 0);
     }
 
     #[test]
