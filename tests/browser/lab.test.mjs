@@ -186,7 +186,15 @@ test("a bad spec shows each violation at its line, and mending it clears them", 
       await violation("/spec/bond/modulus_n").click();
       assert.match(await part(page, "editor").locator(".cm-activeLine").innerText(), /modulus_n/);
       // it cannot be submitted
+      await part(page, "editor").focus();
+      await page.keyboard.press("Control+Home");
+      const refused = page.waitForResponse((response) => response.url().endsWith("/v1/jobs"));
       await part(page, "submit").click();
+      assert.equal((await refused).status(), 422);
+      // the caret goes to what is first to mend; what is written before that would be written there
+      await page.waitForFunction(() =>
+        document.querySelector("[data-testid=editor] .cm-activeLine")?.textContent.includes(`"rows"`),
+      );
       await violation("/spec/bond/modulus_n").waitFor();
       assert.match(page.url(), /\/submit/);
       await writeText(page, JSON.stringify(job(), null, 2));

@@ -111,18 +111,20 @@ export class Draft {
     if (this.scan.fault || this.isBusy) return null;
     this.#checking?.abort();
     this.isBusy = true;
+    const { settled } = this;
     // The same text sent twice, after a lost answer, must not become two jobs.
-    const sent = this.project + this.settled;
+    const sent = this.project + settled;
     if (this.#sendKey?.text !== sent) this.#sendKey = { text: sent, key: randomKey() };
     try {
       const headers = { "Idempotency-Key": this.#sendKey.key };
       const address = this.project === "" ? "/v1/jobs" : `/v1/jobs?project=${this.project}`;
-      const response = await request(address, { method: "POST", body: this.settled, headers });
+      const response = await request(address, { method: "POST", body: settled, headers });
       this.#isSent = true;
       sessionStorage.removeItem(KEPT);
       return (await response.json()) as Job;
     } catch (error) {
-      this.#refuse(error);
+      // What has been read anew meanwhile has its own answer; this one is of a text that is gone.
+      if (this.settled === settled) this.#refuse(error);
       return null;
     } finally {
       this.isBusy = false;
