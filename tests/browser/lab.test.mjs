@@ -16,6 +16,7 @@ import {
   state,
   visit,
   writeText,
+  written,
 } from "./browser.mjs";
 
 before(open);
@@ -199,6 +200,21 @@ test("a bad spec shows each violation at its line, and mending it clears them", 
       assert.match(page.url(), /\/submit/);
       await writeText(page, JSON.stringify(job(), null, 2));
       await part(page, "violations").waitFor({ state: "detached" });
+      // mended while a submission is under way: its refusal is of the text that is gone
+      await writeText(page, text);
+      await violation("/spec/bond/modulus_n").waitFor();
+      let mended;
+      const held = new Promise((resolve) => (mended = resolve));
+      await page.route(/\/v1\/jobs$/, (route) => held.then(() => route.continue()));
+      const late = page.waitForResponse((response) => response.url().endsWith("/v1/jobs"));
+      await part(page, "submit").click();
+      await writeText(page, JSON.stringify(job(), null, 2));
+      await part(page, "violations").waitFor({ state: "detached" });
+      mended();
+      assert.equal((await late).status(), 422);
+      await page.waitForFunction(() => !document.querySelector("[data-testid=submit]").disabled);
+      assert.equal(await part(page, "violations").count(), 0);
+      assert.equal(JSON.parse(await written(page)).spec.test, undefined);
       // the browser itself reports the refusals in its console
     },
     { expected: /status of 422/ },
