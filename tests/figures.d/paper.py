@@ -1,13 +1,16 @@
-"""Tables of the paper tensile test: straight parts, trends over seeds, levels of the model, large sheets, breaks of one solution."""
+"""Tables of the paper tensile test: straight parts, trends over seeds, levels of the model, large sheets, breaks of one solution,
+a frame solved another way."""
 
 import copy
 import csv
 import json
 import math
 import statistics
+import subprocess
+import sys
 from pathlib import Path
 
-from measuring import example, run
+from measuring import BINARY, ROOT, commit_of_executable, example, run
 from plots import PICTURES, Plot, Series
 from words import Table, digits, percent, seconds
 
@@ -617,6 +620,27 @@ def rates(folder: Path) -> list[list[str]]:
     return rows
 
 
+# ── beside a frame that is solved whole ─────────────────────────────────────────────────────────────
+
+
+def measure_frames(folder: Path) -> dict:
+    command = [sys.executable, ROOT / "tests/paper/beside_frames", "--loadframe", BINARY, "--json", folder / "frames.json"]
+    subprocess.run(command, check=True, stdout=sys.stderr)
+    return {"commit": commit_of_executable()}
+
+
+def frames(folder: Path) -> list[list[str]]:
+    rows = [["centre lines apart", "sheets", "bonds", "force over that of the same frame, off by at most", "over that with moments carried"]]
+    found = json.loads((folder / "frames.json").read_text())
+    for apart in sorted({one["apart_um"] for one in found}):
+        here = [one for one in found if one["apart_um"] == apart]
+        carried = [one["over_carried"] for one in here]
+        off = max(abs(one["over_frame"] - 1) for one in here)
+        rows.append([f"{apart:g} µm", str(len(here)), str(sum(one["bonds"] for one in here)), f"{off:.0e}",
+                     f"{statistics.mean(carried):.4f} ({min(carried):.4f} to {max(carried):.4f})"])
+    return rows
+
+
 TABLES = {
     "paper_rates": Table("2 min of processor time", measure_rates, rates),
     "paper_straight_parts": Table("2 min of processor time", measure_straight, straight_parts),
@@ -626,4 +650,5 @@ TABLES = {
     "paper_large": Table("10 min of processor time, 3 GB", measure_large, per_fibre),
     "paper_large_pulled": Table("5 min of processor time", measure_pulled, to_the_peak),
     "paper_together": Table("10 min of processor time", measure_together, errors_together),
+    "paper_frames": Table("5 s of processor time; needs numpy", measure_frames, frames),
 }
