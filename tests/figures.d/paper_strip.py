@@ -1,0 +1,113 @@
+"""How a small sheet stands for a strip of the standard: what its width and the distance of its jaws do to the paper tensile test."""
+
+import math
+from pathlib import Path
+from statistics import NormalDist
+
+from measuring import run
+from paper import grouped, outcome_of, softwood
+from words import Table, seconds
+
+# ISO 1924-2: width and distance of the jaws [mm].
+STRIP = (15, 100)
+FIBRE = 1
+SEEDS = 8
+# Widths of sheets of one length, and lengths of sheets of one width, lengths of fibres 1 [mm].
+WIDTHS, LENGTH = (0.25, 0.5, 1, 2, 4), 2
+LENGTHS, WIDTH = (1, 2, 4, 8, 16), 0.5
+
+
+def sheet(length: float, width: float) -> dict:
+    body = softwood(pulp__0__length_mm=FIBRE, test__repeats=SEEDS, test__stop_force_fraction=0.9)
+    spec = body["spec"]
+    spec["specimen"] = {"sheet": {"length_mm": length, "width_mm": width, "grammage_g_per_m2": 60}}
+    spec["accuracy"] = {"segment_widths": 4, "bonds_at": "inside", "break_precision": 0.1}
+    return body
+
+
+def place(folder: Path, length: float, width: float) -> Path:
+    return folder / f"strip_{round(1e3 * length)}_{round(1e3 * width)}_um"
+
+
+def sizes() -> list[tuple[float, float]]:
+    """Lengths and widths, cheapest first."""
+    all_of_them = {(LENGTH, width) for width in WIDTHS} | {(length, WIDTH) for length in LENGTHS}
+    return sorted(all_of_them, key=lambda size: size[0] * size[1])
+
+
+def measure(folder: Path) -> dict:
+    for length, width in sizes():
+        outcome = run(sheet(length, width), place(folder, length, width))
+    return {"commit": outcome["provenance"]["engine_commit"]}
+
+
+# ── from sheets to the strip ────────────────────────────────────────────────────────────────────────
+
+
+def weakest(links: int) -> float:
+    """By how many standard deviations the weakest of so many falls short of their mean, if they are normal."""
+    normal, steps = NormalDist(), 20_000
+    below = [links * (1 - normal.cdf(x)) ** (links - 1) * normal.pdf(x) * x for x in (16 * (i + 0.5) / steps - 8 for i in range(steps))]
+    return -sum(below) * 16 / steps
+
+
+def edges(widths, forces, errors) -> tuple[float, float, float]:
+    """Of forces f (w − d) over widths w, by least squares: f, d and the standard error of d."""
+    weights = [1 / error**2 for error in errors]
+    total = sum(weights)
+    x = sum(w * width for w, width in zip(weights, widths)) / total
+    y = sum(w * force for w, force in zip(weights, forces)) / total
+    xx = sum(w * (width - x) ** 2 for w, width in zip(weights, widths))
+    slope = sum(w * (width - x) * force for w, width, force in zip(weights, widths, forces)) / xx
+    lost = x - y / slope
+    # d is where the line is nought: that of its height there
+    return slope, lost, math.sqrt(1 / total + (lost - x) ** 2 / xx) / slope
+
+
+def known(folder: Path, length: float, width: float, name: str) -> dict:
+    return outcome_of(place(folder, length, width))["summary"][name]
+
+
+def strip(folder: Path) -> tuple[float, float, float, float]:
+    """Of the strip of the standard: tensile index and its stiffness index, the width lost at its edges and the
+    standard error of this [mm]."""
+    found = {}
+    for name in ("tensile_index", "tensile_stiffness_index"):
+        means = [known(folder, LENGTH, width, name) for width in WIDTHS]
+        forces = [mean["value"] * width for mean, width in zip(means, WIDTHS)]
+        errors = [mean["deviation"] / math.sqrt(mean["n"]) * width for mean, width in zip(means, WIDTHS)]
+        found[name] = edges(WIDTHS, forces, errors)
+    slope, lost, error = found["tensile_index"]
+    widest = known(folder, LENGTH, WIDTHS[-1], "tensile_index")
+    # sheets side by side share their scatter
+    scatter = widest["deviation"] * math.sqrt(WIDTHS[-1] / STRIP[0])
+    index = slope * (1 - lost / STRIP[0]) - weakest(STRIP[1] // LENGTH) * scatter
+    stiff, lost_stiff, _ = found["tensile_stiffness_index"]
+    return index, stiff * (1 - lost_stiff / STRIP[0]), lost, error
+
+
+def rows(folder: Path) -> list[list[str]]:
+    table = [["distance of the jaws", "width", "fibres", "bonds", "tensile index [N m/g]", "one sheet scatters by", "as a chain of 2 mm links", "stiffness index [kN m/g]", "stretch", "processor time of a sheet"]]
+    link = known(folder, LENGTH, WIDTH, "tensile_index")
+    for length, width in sorted(sizes(), key=lambda size: (size[0] != LENGTH, size)):
+        outcome = outcome_of(place(folder, length, width))
+        summary = outcome["summary"]
+        index, stiff = summary["tensile_index"], summary["tensile_stiffness_index"]
+        error = lambda mean: mean["deviation"] / math.sqrt(mean["n"])
+        chain = ""
+        if length > LENGTH:
+            chain = f"{link['value'] - weakest(length // LENGTH) * link['deviation']:.2f}"
+        table.append([
+            f"{length:g} mm", f"{width:g} mm", grouped(summary["fibres"]["value"]), grouped(summary["bonds"]["value"]),
+            f"{index['value']:.2f} ± {error(index):.2f}", f"{100 * index['deviation'] / index['value']:.0f} %", chain,
+            f"{stiff['value']:.2f} ± {error(stiff):.2f}", f"{100 * summary['stretch']['value']:.2f} %",
+            seconds(outcome["cost"]["cpu_s"] / SEEDS)])
+    index, stiff, lost, error = strip(folder)
+    table.append([f"{STRIP[1]} mm", f"{STRIP[0]} mm", "", "", f"{index:.2f}, reckoned", "", "", f"{stiff:.2f}, reckoned", "", ""])
+    table.append(["lost at the edges, for strength", f"{lost:.2f} ± {error:.2f} mm", *[""] * 8])
+    return table
+
+
+TABLES = {
+    "paper_strip": Table("15 min of processor time", measure, rows),
+}
