@@ -8,13 +8,14 @@
 //! hundred at once are a reading or two.
 //!
 //! Whether there are people at all is looked up twice a second, and the count too, for open streams.
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
 use tokio::sync::watch;
+use uuid::Uuid;
 
 use super::super::database::{Pool, query_as};
 use super::super::error::Result;
@@ -44,13 +45,13 @@ struct Reading {
     counts: Counts,
 }
 
-/// How often things have changed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in super::super) struct Counts {
+/// How often things had changed at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
     /// Who may see and do what.
-    pub(in super::super) access: u64,
+    pub access: u64,
     /// Jobs: the number of the last event.
-    pub(in super::super) jobs: u64,
+    pub jobs: u64,
 }
 
 /// What was read since access changed last.
@@ -59,7 +60,12 @@ struct Known {
     version: u64,
     callers: HashMap<Secret, Remembered>,
     projects: Option<Arc<[ProjectFacts]>>,
+    /// Names of people and projects that lists had in them.
+    names: Names,
 }
+
+/// Names of people and projects.
+pub(in super::super) type Names = HashMap<Uuid, Arc<str>>;
 
 /// By the SHA-256 of which secret a caller is known.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -176,6 +182,21 @@ impl AccessState {
     pub(super) fn remember_projects(&self, version: u64, projects: Arc<[ProjectFacts]>) {
         if let Some(mut known) = self.known_at(version) {
             known.projects = Some(projects);
+        }
+    }
+
+    /// Of these people and projects, the names that were read under this count.
+    pub(super) fn names(&self, version: u64, of: &BTreeSet<Uuid>) -> Names {
+        let known = self.known_at(version);
+        let name = |id: &Uuid| Some((*id, known.as_ref()?.names.get(id)?.clone()));
+        of.iter().filter_map(name).collect()
+    }
+
+    /// Remembers names, which were read after this count.
+    pub(super) fn remember_names(&self, version: u64, names: &Names) {
+        if let Some(mut known) = self.known_at(version) {
+            let names = names.iter().map(|(id, name)| (*id, Arc::clone(name)));
+            known.names.extend(names);
         }
     }
 
