@@ -55,7 +55,7 @@ pub(super) async fn guard(
         let Identified {
             caller,
             given,
-            counts,
+            versions,
         } = identified;
         let comes_by_itself = matches!(given, Given::Cookie | Given::Proxy(_));
         if comes_by_itself && !is_safe(request.method()) {
@@ -74,7 +74,7 @@ pub(super) async fn guard(
                 let call = Call {
                     caller,
                     trace,
-                    counts,
+                    versions,
                 };
                 request.extensions_mut().insert(Arc::new(call));
             }

@@ -12,7 +12,7 @@ use super::problem::Result;
 use super::state::AppState;
 use crate::access::{Caller, Credential};
 use crate::single_sign_on::Vouched;
-use crate::store::people::{Arrival, Counts};
+use crate::store::people::{Arrival, Versions};
 
 /// How a request tries to be known.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub(super) struct Identified {
     /// How it tried to be known.
     pub(super) given: Given,
     /// How often things had changed by then, where it was looked up for that.
-    pub(super) counts: Option<Counts>,
+    pub(super) versions: Option<Versions>,
 }
 
 impl Identified {
@@ -40,16 +40,16 @@ impl Identified {
         Self {
             caller,
             given,
-            counts: None,
+            versions: None,
         }
     }
 
-    fn found(found: Option<(Caller, Counts)>, given: Given) -> Self {
-        let (caller, counts) = found.unzip();
+    fn found(found: Option<(Caller, Versions)>, given: Given) -> Self {
+        let (caller, versions) = found.unzip();
         Self {
             caller,
             given,
-            counts,
+            versions,
         }
     }
 }

@@ -16,7 +16,7 @@ use super::state::AppState;
 use crate::access::{
     Action, Caller, Identity, JobFacts, Object, Person, ProjectFacts, Sight, Verdict, may,
 };
-use crate::store::people::{Actor, Counts};
+use crate::store::people::{Actor, Versions};
 use crate::store::{Store, StoreError};
 
 /// Where a request came from.
@@ -45,7 +45,7 @@ pub(super) struct Call {
     pub(super) caller: Caller,
     pub(super) trace: Trace,
     /// How often things had changed when it came, where that is known.
-    pub(super) counts: Option<Counts>,
+    pub(super) versions: Option<Versions>,
 }
 
 impl Call {
@@ -65,10 +65,10 @@ impl Call {
     }
 
     /// How often things had changed at some moment since the request came.
-    pub(super) async fn counts(&self, store: &Store) -> Result<Counts> {
-        match self.counts {
-            Some(counts) => Ok(counts),
-            None => Ok(store.list_version().await?),
+    pub(super) async fn versions(&self, store: &Store) -> Result<Versions> {
+        match self.versions {
+            Some(versions) => Ok(versions),
+            None => Ok(store.versions().await?),
         }
     }
 

@@ -282,7 +282,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn jobs_version(&self) -> Result<u64> {
-        Ok(self.access_state().counts(self.lookups()).await?.jobs)
+        Ok(self.access_state().versions(self.lookups()).await?.jobs)
     }
 
     /// Jobs by id, in any order; those that are gone are left out.

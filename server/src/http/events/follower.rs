@@ -179,7 +179,7 @@ impl Follower {
         let call = Call {
             caller,
             trace: self.call.trace,
-            counts: None,
+            versions: None,
         };
         self.sight = call.sight(&self.store).await.ok()?;
         self.call = Arc::new(call);

@@ -14,7 +14,7 @@ use super::super::Store;
 use super::super::database::{query, query_as, row};
 use super::super::encoding::{parsed, variant};
 use super::super::error::{Result, StoreError};
-use super::remembered::{Counts, Remembered, Secret};
+use super::remembered::{Remembered, Secret, Versions};
 use crate::access::{Caller, Credential, Identity, JobFacts, Link, Person, ProjectFacts};
 
 /// A session that nobody used for so long has ended [ms].
@@ -123,33 +123,33 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn access_version(&self) -> Result<u64> {
-        Ok(self.access_state().counts(self.lookups()).await?.access)
+        Ok(self.access_state().versions(self.lookups()).await?.access)
     }
 
     /// [`Self::access_version`] and [`Self::jobs_version`], of the same moment.
     ///
     /// # Errors
     /// The database's.
-    pub async fn list_version(&self) -> Result<Counts> {
-        self.access_state().counts(self.lookups()).await
+    pub async fn versions(&self) -> Result<Versions> {
+        self.access_state().versions(self.lookups()).await
     }
 
     /// Who has the token whose secret has this SHA-256, and how often things had changed before that was read.
     ///
     /// # Errors
     /// The database's.
-    pub async fn caller_by_token(&self, sha256: &str) -> Result<Option<(Caller, Counts)>> {
+    pub async fn caller_by_token(&self, sha256: &str) -> Result<Option<(Caller, Versions)>> {
         let secret = Secret::Token(sha256.to_owned());
-        let (counts, known) = self.remembered(&secret).await?;
+        let (versions, known) = self.remembered(&secret).await?;
         let found = match known {
             Some(caller) => Some(caller),
             None => {
                 let found = self.token_caller(Some(sha256), None).await?;
-                self.remember(counts.access, secret, found)
+                self.remember(versions.access, secret, found)
             }
         };
         let found = found.filter(|caller| !self.is_nobodys(caller));
-        Ok(found.map(|caller| (caller, counts)))
+        Ok(found.map(|caller| (caller, versions)))
     }
 
     /// Who is signed in by the session whose secret has this SHA-256, in a cookie of that kind; and the same.
@@ -160,26 +160,26 @@ impl Store {
         &self,
         sha256: &str,
         is_secure: bool,
-    ) -> Result<Option<(Caller, Counts)>> {
+    ) -> Result<Option<(Caller, Versions)>> {
         let secret = Secret::Session(sha256.to_owned(), is_secure);
-        let (counts, known) = self.remembered(&secret).await?;
+        let (versions, known) = self.remembered(&secret).await?;
         let found = match known {
             Some(caller) => Some(caller),
             None => {
                 let found = self.session_caller(Some((sha256, is_secure)), None).await?;
-                self.remember(counts.access, secret, found)
+                self.remember(versions.access, secret, found)
             }
         };
-        Ok(found.map(|caller| (caller, counts)))
+        Ok(found.map(|caller| (caller, versions)))
     }
 
-    /// The caller with this secret, where it is remembered under the counts as they are now.
-    async fn remembered(&self, secret: &Secret) -> Result<(Counts, Option<Caller>)> {
-        let counts = self.list_version().await?;
+    /// The caller with this secret, where it is remembered under the versions as they are now.
+    async fn remembered(&self, secret: &Secret) -> Result<(Versions, Option<Caller>)> {
+        let versions = self.versions().await?;
         let known = self
             .access_state()
-            .caller(counts.access, secret, self.now());
-        Ok((counts, known))
+            .caller(versions.access, secret, self.now());
+        Ok((versions, known))
     }
 
     fn remember(&self, access: u64, secret: Secret, found: Option<Remembered>) -> Option<Caller> {

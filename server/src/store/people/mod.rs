@@ -36,7 +36,7 @@ pub(super) use limits::admission;
 pub(super) use line::Line;
 pub use outbox::{Due, DueEvent};
 pub(super) use projects::takes_no_jobs;
-pub use remembered::{AccessState, Counts};
+pub use remembered::{AccessState, Versions};
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
 pub(super) use webhook_key::WEBHOOK_KEY;

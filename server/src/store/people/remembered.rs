@@ -32,22 +32,22 @@ pub struct AccessState {
     has_people: AtomicBool,
     version: watch::Sender<u64>,
     known: Mutex<Known>,
-    /// Readings of the counts that have begun.
+    /// Readings of the versions that have begun.
     begun: AtomicU64,
     last: tokio::sync::Mutex<Reading>,
 }
 
-/// What the counts were.
+/// What the versions were.
 #[derive(Clone, Copy, Debug, Default)]
 struct Reading {
     /// As how many readings had begun with it.
     number: u64,
-    counts: Counts,
+    versions: Versions,
 }
 
 /// How often things had changed at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct Versions {
     /// Who may see and do what.
     pub access: u64,
     /// Jobs: the number of the last event.
@@ -127,8 +127,8 @@ impl AccessState {
         }
     }
 
-    /// The counts, by a reading that begins after the call does.
-    pub(in super::super) async fn counts(&self, pool: &Pool) -> Result<Counts> {
+    /// The versions, by a reading that begins after the call does.
+    pub(in super::super) async fn versions(&self, pool: &Pool) -> Result<Versions> {
         let begun = self.begun.load(Ordering::SeqCst);
         let mut last = self.last.lock().await;
         if last.number <= begun {
@@ -137,13 +137,13 @@ impl AccessState {
                 query_as("SELECT version, (SELECT MAX(seq) FROM events) FROM access")
                     .fetch_one(pool)
                     .await?;
-            let counts = Counts {
+            let versions = Versions {
                 access: access.unsigned_abs(),
                 jobs: jobs.unwrap_or_default().unsigned_abs(),
             };
-            *last = Reading { number, counts };
+            *last = Reading { number, versions };
         }
-        Ok(last.counts)
+        Ok(last.versions)
     }
 
     pub(super) fn has_people(&self) -> bool {
