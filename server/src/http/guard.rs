@@ -11,7 +11,7 @@ use axum::response::Response;
 use uuid::Uuid;
 
 use super::access::{Sender, is_guarded};
-use super::identify::{Given, identify, note_visit};
+use super::identify::{Given, Identified, identify, note_visit};
 use super::origin::is_safe;
 use super::permit::{Call, Trace};
 use super::problem::{
@@ -51,7 +51,12 @@ pub(super) async fn guard(
         names.check_origin(request.method(), request.uri(), request.headers())?;
     }
     if is_guarded(request.uri().path()) {
-        let (caller, given) = identify(&state, peer, &trace, request.headers()).await?;
+        let identified = identify(&state, peer, &trace, request.headers()).await?;
+        let Identified {
+            caller,
+            given,
+            versions,
+        } = identified;
         let comes_by_itself = matches!(given, Given::Cookie | Given::Proxy(_));
         if comes_by_itself && !is_safe(request.method()) {
             names.demand_origin(request.method(), request.uri(), request.headers())?;
@@ -66,7 +71,11 @@ pub(super) async fn guard(
         match caller {
             Some(caller) => {
                 note_visit(&state, &caller, &trace).await;
-                let call = Call { caller, trace };
+                let call = Call {
+                    caller,
+                    trace,
+                    versions,
+                };
                 request.extensions_mut().insert(Arc::new(call));
             }
             None if BEFORE_SIGN_IN.iter().any(is_open) => {}

@@ -12,7 +12,7 @@ use super::problem::Result;
 use super::state::AppState;
 use crate::access::{Caller, Credential};
 use crate::single_sign_on::Vouched;
-use crate::store::people::Arrival;
+use crate::store::people::{Arrival, Versions};
 
 /// How a request tries to be known.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,52 +26,80 @@ pub(super) enum Given {
     Proxy(String),
 }
 
-/// Who sends a request with these headers, over a connection with `peer`, and how it tried to be known.
+/// Who sends a request.
+pub(super) struct Identified {
+    pub(super) caller: Option<Caller>,
+    /// How it tried to be known.
+    pub(super) given: Given,
+    /// How often things had changed by then, where it was looked up for that.
+    pub(super) versions: Option<Versions>,
+}
+
+impl Identified {
+    fn of(caller: Option<Caller>, given: Given) -> Self {
+        Self {
+            caller,
+            given,
+            versions: None,
+        }
+    }
+
+    fn found(found: Option<(Caller, Versions)>, given: Given) -> Self {
+        let (caller, versions) = found.unzip();
+        Self {
+            caller,
+            given,
+            versions,
+        }
+    }
+}
+
+/// Who sends a request with these headers, over a connection with `peer`.
 pub(super) async fn identify(
     state: &AppState,
     peer: Option<IpAddr>,
     trace: &Trace,
     headers: &HeaderMap,
-) -> Result<(Option<Caller>, Given)> {
+) -> Result<Identified> {
     let (access, store) = (&state.access, &state.store);
     let has_people = store.has_people();
     if access.is_open && !has_people {
-        return Ok((Some(Caller::sole(Scope::Everything)), Given::Nothing));
+        let sole = Caller::sole(Scope::Everything);
+        return Ok(Identified::of(Some(sole), Given::Nothing));
     }
     if let Some(secret) = bearer(headers) {
         let sha256 = sha256_hex(secret.as_bytes());
-        let caller = if is_same(access.own.as_deref(), &sha256) {
+        if is_same(access.own.as_deref(), &sha256) {
             // among people nobody is without a name: what the server was started with only works
-            Some(match has_people {
+            let caller = match has_people {
                 true => Caller::worker(),
                 false => Caller::sole(Scope::Everything),
-            })
-        } else if is_same(access.workers.as_deref(), &sha256) {
-            Some(Caller::worker())
-        } else if secret.starts_with(LINK) {
-            store.caller_by_link(&sha256).await?
-        } else {
-            store.caller_by_token(&sha256).await?
-        };
-        let given = match secret.starts_with(LINK) {
-            true => Given::Link,
-            false => Given::Bearer,
-        };
-        return Ok((caller, given));
+            };
+            return Ok(Identified::of(Some(caller), Given::Bearer));
+        }
+        if is_same(access.workers.as_deref(), &sha256) {
+            return Ok(Identified::of(Some(Caller::worker()), Given::Bearer));
+        }
+        if secret.starts_with(LINK) {
+            let caller = store.caller_by_link(&sha256).await?;
+            return Ok(Identified::of(caller, Given::Link));
+        }
+        let found = store.caller_by_token(&sha256).await?;
+        return Ok(Identified::found(found, Given::Bearer));
     }
     let sign_on = access.single_sign_on.as_ref().filter(|_| has_people);
     if let Some(vouched) = sign_on.and_then(|of| of.vouched_by_proxy(peer, headers)) {
         let caller = caller_of_proxy(state, trace, &vouched).await?;
-        return Ok((caller, Given::Proxy(vouched.subject)));
+        return Ok(Identified::of(caller, Given::Proxy(vouched.subject)));
     }
     for (name, is_secure) in [(SECURE_COOKIE, true), (PLAIN_COOKIE, false)] {
         if let Some(secret) = cookie(headers, name) {
             let sha256 = sha256_hex(secret.as_bytes());
-            let caller = store.caller_by_session(&sha256, is_secure).await?;
-            return Ok((caller, Given::Cookie));
+            let found = store.caller_by_session(&sha256, is_secure).await?;
+            return Ok(Identified::found(found, Given::Cookie));
         }
     }
-    Ok((None, Given::Nothing))
+    Ok(Identified::of(None, Given::Nothing))
 }
 
 /// The person for whom the proxy vouches; who comes for the first time gets an account, if anybody may.

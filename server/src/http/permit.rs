@@ -16,7 +16,7 @@ use super::state::AppState;
 use crate::access::{
     Action, Caller, Identity, JobFacts, Object, Person, ProjectFacts, Sight, Verdict, may,
 };
-use crate::store::people::Actor;
+use crate::store::people::{Actor, Versions};
 use crate::store::{Store, StoreError};
 
 /// Where a request came from.
@@ -44,6 +44,8 @@ impl Trace {
 pub(super) struct Call {
     pub(super) caller: Caller,
     pub(super) trace: Trace,
+    /// How often things had changed when it came, where that is known.
+    pub(super) versions: Option<Versions>,
 }
 
 impl Call {
@@ -59,6 +61,14 @@ impl Call {
                 Object::Deleted(deleted) => missing("deleted job or project", deleted.id),
                 Object::Lab => ApiError::not_found("thing of this kind"),
             }),
+        }
+    }
+
+    /// How often things had changed at some moment since the request came.
+    pub(super) async fn versions(&self, store: &Store) -> Result<Versions> {
+        match self.versions {
+            Some(versions) => Ok(versions),
+            None => Ok(store.versions().await?),
         }
     }
 

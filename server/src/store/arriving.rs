@@ -3,6 +3,7 @@
 //! A part is named for its sender's lease and for the whole content's SHA-256. It waits among the files
 //! on their way, which a server that starts removes; who asks is then told that there is nothing.
 use std::fs::File;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,7 +14,7 @@ use tokio::io::{AsyncRead, AsyncReadExt, AsyncWriteExt};
 use uuid::Uuid;
 
 use super::database::Sharing;
-use super::disk::{CHUNK, blocking, hashed};
+use super::disk::{CHUNK, blocking, hashed, hexadecimal};
 use super::error::{Result, StoreError};
 
 /// Of an upload that broke off, this many bytes are worth keeping; fewer are soon sent again.
@@ -33,12 +34,67 @@ pub(super) struct Incoming {
     among: Option<(PathBuf, Arc<File>)>,
 }
 
+/// A file that has arrived whole and is what its SHA-256 says.
+#[derive(Debug)]
+pub(super) struct Received {
+    content: Whole,
+    pub(super) bytes: u64,
+    pub(super) sha256: String,
+}
+
+/// All bytes of a file.
+#[derive(Debug)]
+enum Whole {
+    /// Of a small one, of which nothing is on disk yet.
+    InMemory(Vec<u8>),
+    /// Durable, under a temporary name.
+    OnDisk(TempPath),
+}
+
+impl Received {
+    /// A small file with this content, which must hash to `sha256`.
+    ///
+    /// # Errors
+    /// [`StoreError::Invalid`].
+    pub(super) fn in_memory(content: Vec<u8>, sha256: &str) -> Result<Self> {
+        let found = hexadecimal(Sha256::new_with_prefix(&content));
+        check_content(&found, sha256)?;
+        Ok(Self {
+            bytes: content.len() as u64,
+            content: Whole::InMemory(content),
+            sha256: found,
+        })
+    }
+
+    /// Where it is on disk, durable under a temporary name: in `folder`, if it was not yet; blocks.
+    pub(super) fn on_disk(self, folder: &Path) -> std::io::Result<TempPath> {
+        match self.content {
+            Whole::InMemory(content) => {
+                let mut file = NamedTempFile::new_in(folder)?;
+                file.write_all(&content)?;
+                file.as_file().sync_all()?;
+                Ok(file.into_temp_path())
+            }
+            Whole::OnDisk(path) => Ok(path),
+        }
+    }
+}
+
+/// Refuses a content that is another than was said.
+fn check_content(found: &str, sha256: &str) -> Result<()> {
+    if found == sha256 {
+        return Ok(());
+    }
+    let sentence = format!("the body's SHA-256 is {found}, the query says {sha256}");
+    Err(StoreError::Invalid(sentence))
+}
+
 /// A file as far as it has arrived.
 #[derive(Debug)]
 pub(super) struct Arriving {
-    pub(super) file: tokio::fs::File,
-    pub(super) path: TempPath,
-    pub(super) hash: Sha256,
+    file: tokio::fs::File,
+    path: TempPath,
+    hash: Sha256,
     pub(super) bytes: u64,
 }
 
@@ -59,14 +115,43 @@ impl Arriving {
             if count == 0 {
                 return Ok(());
             }
-            if self.bytes + count as u64 > limit {
-                return Err(StoreError::TooLarge { what, limit });
-            }
-            let written = self.file.write_all(&chunk[..count]).await;
-            written.map_err(StoreError::file(&*self.path))?;
-            self.hash.update(&chunk[..count]);
-            self.bytes += count as u64;
+            self.add(&chunk[..count], what, limit).await?;
         }
+    }
+
+    /// Adds bytes that have come.
+    pub(super) async fn add(&mut self, bytes: &[u8], what: &'static str, limit: u64) -> Result<()> {
+        if self.bytes + bytes.len() as u64 > limit {
+            return Err(StoreError::TooLarge { what, limit });
+        }
+        let written = self.file.write_all(bytes).await;
+        written.map_err(StoreError::file(&*self.path))?;
+        self.hash.update(bytes);
+        self.bytes += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// Makes what has arrived durable; it must hash to `sha256`.
+    ///
+    /// # Errors
+    /// [`StoreError::Invalid`], [`StoreError::File`].
+    pub(super) async fn whole(self, sha256: &str) -> Result<Received> {
+        let Self {
+            mut file,
+            path,
+            hash,
+            bytes,
+        } = self;
+        let found = hexadecimal(hash);
+        check_content(&found, sha256)?;
+        let failed = || StoreError::file(&*path);
+        file.flush().await.map_err(failed())?;
+        file.sync_all().await.map_err(failed())?;
+        Ok(Received {
+            content: Whole::OnDisk(path),
+            bytes,
+            sha256: found,
+        })
     }
 }
 
@@ -139,6 +224,12 @@ impl Incoming {
             hash: Sha256::new(),
             bytes: 0,
         })
+    }
+
+    /// Where a file is on disk, once it is.
+    pub(super) async fn on_disk(&self, received: Received) -> Result<TempPath> {
+        let folder = self.folder.clone();
+        blocking(&self.folder, move || received.on_disk(&folder)).await
     }
 
     /// Goes on with a part. It has a name of its own from here on: of two who go on with it, one does.

@@ -24,7 +24,7 @@ impl Store {
             .collect();
         let mut snapshot = self.reads().begin().await?;
         let waiting: Option<i64> =
-            query_scalar("SELECT CAST(SUM(jobs) AS BIGINT) FROM job_counts WHERE state = 'queued'")
+            query_scalar("SELECT CAST(SUM(jobs) AS BIGINT) FROM waiting_lines")
                 .fetch_one(&mut snapshot)
                 .await?;
         let classes: Vec<(f64, i64, f64, f64)> = query_as(
@@ -34,8 +34,8 @@ impl Store {
                                 (SELECT MAX(CAST(value AS DOUBLE PRECISION)) FROM json_each(?1))) AS class, wall
                 FROM (SELECT CAST(COALESCE(json_extract(estimate, '$.memory_mb'), '0') AS DOUBLE PRECISION) AS memory,
                              CAST(COALESCE(json_extract(estimate, '$.wall_s'), '0') AS DOUBLE PRECISION) AS wall
-                      FROM jobs INDEXED BY jobs_waiting_since
-                      WHERE status = 'queued' ORDER BY created_at LIMIT ?2) first) sorted
+                      FROM jobs INDEXED BY jobs_by_status
+                      WHERE status = 'queued' ORDER BY seq LIMIT ?2) first) sorted
              GROUP BY class ORDER BY class",
         )
         .bind(json(&bounds)?)

@@ -1,8 +1,8 @@
 //! Stored files: bytes under their SHA-256, written once, removed when no row names them, wherever they
 //! lie ([`super::storage`]).
 //!
-//! A file arrives under a temporary name on this machine, is hashed on its way, made durable, and put in
-//! its place, durably; only then may a row name it. Between that and the commit of the
+//! A file arrives under a temporary name on this machine (a small one: in memory), is hashed on its way, made
+//! durable, and put in its place, durably; only then may a row name it. Between that and the commit of the
 //! row the bytes look forgotten, so whoever stores a file holds a [`FileGuard`] until its row is safe,
 //! and the collector removes nothing while anybody does.
 use std::collections::BTreeMap;
@@ -10,16 +10,15 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use tempfile::TempPath;
-use tokio::io::{AsyncRead, AsyncWriteExt};
+use tokio::io::{AsyncRead, AsyncReadExt};
 use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
 use uuid::Uuid;
 
-use super::arriving::{Arriving, Incoming, SMALLEST_PART};
+use super::arriving::{Incoming, Received, SMALLEST_PART};
 use super::bucket::Found;
 use super::collector::{Collector, Faults, Garbage};
 use super::database::{Held, Pool, Sharing};
-use super::disk::{blocking, hexadecimal};
+use super::disk::{CHUNK, blocking};
 use super::error::{Loss, Result, StoreError};
 use super::storage::{Content, Storage};
 use super::supervision::Restarts;
@@ -42,14 +41,6 @@ pub(super) struct Blobs {
     pub(super) faults: Arc<Faults>,
     /// Files that were verified: when, and as which object of a bucket.
     verified: Arc<Mutex<BTreeMap<String, (Instant, Found)>>>,
-}
-
-/// A file that has arrived whole, still under its temporary name.
-#[derive(Debug)]
-pub(super) struct Received {
-    path: TempPath,
-    pub(super) bytes: u64,
-    pub(super) sha256: String,
 }
 
 /// While it lives, no file is removed: not by this server, and by no other on the database.
@@ -102,58 +93,47 @@ impl Blobs {
         check_sha256(sha256)?;
         let mut arriving = match part {
             Some((sender, from @ 1..)) => self.incoming.go_on(sender, sha256, from).await?,
-            _ => self.incoming.begin().await?,
+            _ => {
+                // most files are small: their bytes are in memory already, and go to the disk in one go
+                let mut first = Vec::new();
+                let mut beginning = (&mut body).take(CHUNK as u64);
+                let read = beginning.read_to_end(&mut first).await;
+                let count = read.map_err(StoreError::Interrupted)?;
+                if count as u64 > limit {
+                    return Err(StoreError::TooLarge { what, limit });
+                }
+                if count < CHUNK {
+                    return Received::in_memory(first, sha256);
+                }
+                let mut arriving = self.incoming.begin().await?;
+                arriving.add(&first, what, limit).await?;
+                arriving
+            }
         };
         match arriving.take_in(&mut body, what, limit).await {
-            Ok(()) => {}
+            Ok(()) => arriving.whole(sha256).await,
             Err(error) => {
                 if let (StoreError::Interrupted(_), Some((sender, _))) = (&error, part)
                     && arriving.bytes >= SMALLEST_PART
                 {
                     self.incoming.keep_part(arriving, sender, sha256).await?;
                 }
-                return Err(error);
+                Err(error)
             }
         }
-        let Arriving {
-            mut file,
-            path,
-            hash,
-            bytes,
-        } = arriving;
-        let failed = || StoreError::file(&self.incoming.folder);
-        let found = hexadecimal(hash);
-        if found != sha256 {
-            let sentence = format!("the body's SHA-256 is {found}, the query says {sha256}");
-            return Err(StoreError::Invalid(sentence));
-        }
-        file.flush().await.map_err(failed())?;
-        file.sync_all().await.map_err(failed())?;
-        Ok(Received {
-            path,
-            bytes,
-            sha256: found,
-        })
     }
 
     /// Puts a received file in its place. It stays there while the [`FileGuard`] is held.
     pub(super) async fn keep(&self, received: Received) -> Result<FileGuard> {
-        let Received {
-            path,
-            bytes,
-            sha256,
-        } = received;
         match &self.storage {
             Storage::Folder(folder) => {
                 let guard = self.guard().await?;
-                // the same content may be there already, and then it is as durable as this: if it still
-                // is what its name says
-                if folder.examine(&sha256, bytes).await?.is_some() {
-                    folder.place(&sha256, path).await?;
-                }
+                folder.keep(received, &self.incoming.folder).await?;
                 Ok(guard)
             }
             Storage::Bucket(bucket) => {
+                let (sha256, bytes) = (received.sha256.clone(), received.bytes);
+                let path = self.incoming.on_disk(received).await?;
                 // sending takes a while, in which the collector has no need to wait; when it does, the
                 // object is looked at again
                 if self.verified(&sha256, bytes).await?.is_err() {

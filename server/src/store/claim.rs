@@ -11,7 +11,7 @@ use super::calls::Waiting;
 use super::checkpoints::CheckpointRow;
 use super::choice::standings_of;
 use super::clock::millis;
-use super::database::{FromRow, Query, query, query_scalar, row};
+use super::database::{FromRow, Query, Row, query, query_scalar, row};
 use super::encoding::variant;
 use super::error::{Result, StoreError};
 use super::jobs::limits;
@@ -55,6 +55,24 @@ row! {
         points: i64,
         estimate: Option<String>,
         overrun_factor: f64,
+    }
+}
+
+impl ClaimedJob {
+    /// The statement that reads what an attempt is of.
+    fn query(attempt: Uuid) -> Query {
+        let claimed = query(
+            "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
+                    j.spec_sha256, j.seq AS job_row, a.points, j.estimate, j.overrun_factor
+             FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
+             WHERE a.id = ?",
+        );
+        claimed.bind(attempt)
+    }
+
+    fn of(rows: &[Row]) -> Result<Self> {
+        let row = rows.first().ok_or(sqlx::Error::RowNotFound)?;
+        Ok(Self::from_row(row)?)
     }
 }
 
@@ -188,25 +206,14 @@ impl Change {
         .fetch_optional(&mut self.connection)
         .await?;
         match attempt {
-            Some(attempt) => Ok(Some(self.claimed(Vec::new(), attempt).await?)),
+            Some(attempt) => Ok(Some(self.claimed(attempt).await?)),
             None => Ok(None),
         }
     }
 
-    /// Runs `statements`, and tells what an attempt is of then.
-    async fn claimed(&mut self, mut statements: Vec<Query>, attempt: Uuid) -> Result<ClaimedJob> {
-        let claimed = query(
-            "SELECT a.id, a.token, a.number, j.id AS job, j.kind, s.json AS spec,
-                    j.spec_sha256, j.seq AS job_row, a.points, j.estimate, j.overrun_factor
-             FROM attempts a JOIN jobs j ON j.seq = a.job JOIN specs s ON s.job = a.job
-             WHERE a.id = ?",
-        );
-        statements.push(claimed.bind(attempt));
-        let rows = self.connection.run_all(statements).await?;
-        let claimed = rows.last().and_then(|rows| rows.first());
-        Ok(ClaimedJob::from_row(
-            claimed.ok_or(sqlx::Error::RowNotFound)?,
-        )?)
+    async fn claimed(&mut self, attempt: Uuid) -> Result<ClaimedJob> {
+        let claimed = ClaimedJob::query(attempt);
+        ClaimedJob::of(&claimed.fetch_all(&mut self.connection).await?)
     }
 
     /// Starts an attempt at a queued job; the files of its checkpoint, if it has one, are carried
@@ -218,7 +225,6 @@ impl Change {
         lease: i64,
     ) -> Result<ClaimedJob> {
         let why = format!("running on {} ({})", worker.name, worker.host);
-        self.step(job, Input::Claim, Some(why), None).await?;
         let engine = &worker.engine_version;
         // at its first attempt a job has none
         let newest = match job.attempt {
@@ -247,11 +253,17 @@ impl Change {
         .bind(newest.as_ref().map_or(0.0, |newest| newest.wall_s))
         .bind(engine)
         .bind(worker.threads);
+        let then = vec![started, ClaimedJob::query(id)];
+        let step = self.step_and(job, Input::Claim, Some(why), None, then);
+        let (_, rows) = step.await?;
+        let [started, claimed] = rows.as_slice() else {
+            return Err(sqlx::Error::RowNotFound.into());
+        };
         if job.attempt == 0 {
-            return self.claimed(vec![started], id).await;
+            return ClaimedJob::of(claimed);
         }
-        let rows = started.fetch_all(&mut self.connection).await?;
-        let attempt: i64 = rows.first().ok_or(sqlx::Error::RowNotFound)?.get(0)?;
+        let started = started.first().ok_or(sqlx::Error::RowNotFound)?;
+        let attempt: i64 = started.get(0)?;
         match &newest {
             Some(newest) => {
                 self.carry_over(attempt, newest).await?;
@@ -259,7 +271,7 @@ impl Change {
             }
             None => self.tell_of_other_builds(job, number, engine).await?,
         }
-        self.claimed(Vec::new(), id).await
+        self.claimed(id).await
     }
 }
 

@@ -8,14 +8,14 @@ use loadframe_api::worker::{
 use loadframe_api::{Estimate, FileEntry, JobOutcome, sha256_hex};
 use serde::Serialize;
 
-use super::database::{FromRow, Row, query, query_as};
+use super::database::{FromRow, Query, Row, query, query_as};
 use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
-use super::lease::LeasedAttempt;
+use super::lease::{LeasedAttempt, attempt_of, job_of, leased};
 use super::state::{Ending, LifecycleRow};
 use super::writer::Change;
 use super::{LeaseKey, Store};
-use crate::queue::{Input, State};
+use crate::queue::{Input, State, transition};
 
 /// The file every result has.
 const OUTCOME_FILE: &str = "outcome.json";
@@ -141,18 +141,32 @@ fn check_outcome(submitted: &[Row], request: &CompleteRequest) -> Result<()> {
 }
 
 impl Change {
-    /// Ends the attempt of `key` by `input`; `None` when this same message has ended it before.
+    /// Ends the attempt of `key` by `input`, if this same message has not ended it before.
     pub(super) async fn end(
         &mut self,
         key: LeaseKey,
         message: String,
         input: Input,
         why: Option<String>,
-    ) -> Result<Option<(LifecycleRow, LeasedAttempt, State)>> {
+    ) -> Result<()> {
         let (attempt, job) = LeasedAttempt::with_job(&mut self.connection, key).await?;
+        self.end_of(&attempt, &job, message, input, why, Vec::new())
+            .await
+    }
+
+    /// The same of an attempt and its job that were read, and in the same go `then`.
+    async fn end_of(
+        &mut self,
+        attempt: &LeasedAttempt,
+        job: &LifecycleRow,
+        message: String,
+        input: Input,
+        why: Option<String>,
+        mut then: Vec<Query>,
+    ) -> Result<()> {
         if attempt.ended_at.is_some() {
             let is_repeated = attempt.ended_by.as_ref() == Some(&message);
-            return is_repeated.then_some(None).ok_or(StoreError::LeaseLost);
+            return is_repeated.then_some(()).ok_or(StoreError::LeaseLost);
         }
         // the worker's reason is that of its failure; who asked to cancel knows why
         let why = why.filter(|_| matches!(job.asked(), Ok(None)));
@@ -162,11 +176,11 @@ impl Change {
             message: Some(message),
             expired: false,
         };
-        let step = self.step(&job, input, why, Some(ending)).await?;
         if matches!(input, Input::Complete | Input::Fail) {
-            self.note_work(&attempt).await?;
+            then.push(self.has_worked(attempt));
         }
-        Ok(Some((job, attempt, step.state)))
+        self.step_and(job, input, why, Some(ending), then).await?;
+        Ok(())
     }
 
     async fn complete(
@@ -175,39 +189,48 @@ impl Change {
         message: String,
         request: &CompleteRequest,
     ) -> Result<()> {
-        let Some((job, attempt, state)) = self.end(key, message, Input::Complete, None).await?
-        else {
-            return Ok(());
-        };
-        if state != State::Finished(JobOutcome::Succeeded) {
-            return Ok(());
-        }
-        let submitted = query("SELECT kind, spec_sha256 FROM jobs WHERE seq = ?").bind(job.seq);
-        let uploaded = query("SELECT name, bytes, sha256 FROM attempt_files WHERE attempt = ?");
-        let statements = vec![submitted, uploaded.bind(attempt.seq)];
-        let rows = self.connection.run_all(statements).await?;
-        let [submitted, uploaded] = rows.as_slice() else {
+        let submitted = query(
+            "SELECT j.kind, j.spec_sha256 FROM attempts a JOIN jobs j ON j.seq = a.job
+             WHERE a.id = ? AND a.token = ?",
+        );
+        let uploaded = query(
+            "SELECT f.name, f.bytes, f.sha256 FROM attempts a JOIN attempt_files f ON f.attempt = a.seq
+             WHERE a.id = ? AND a.token = ?",
+        );
+        let rows = self.connection.run_all(vec![
+            attempt_of(key),
+            job_of(key),
+            submitted.bind(key.id).bind(key.token),
+            uploaded.bind(key.id).bind(key.token),
+        ]);
+        let rows = rows.await?;
+        let (attempt, job) = leased(&rows, 1)?;
+        let [_, _, submitted, uploaded] = rows.as_slice() else {
             return Err(sqlx::Error::RowNotFound.into());
         };
-        check_outcome(submitted, request)?;
-        self.publish(&attempt, uploaded, &request.files).await?;
-        query("INSERT INTO results (job, attempt, summary, outcome) VALUES (?, ?, ?, ?)")
-            .bind(job.seq)
-            .bind(attempt.number)
-            .bind(json(&request.outcome.summary)?)
-            .bind(json(&request.outcome)?)
-            .execute(&mut self.connection)
-            .await?;
-        Ok(())
+        let mut result = Vec::new();
+        let is_success = transition(job.state()?, Input::Complete)
+            .is_ok_and(|step| step.state == State::Finished(JobOutcome::Succeeded));
+        if attempt.ended_at.is_none() && is_success {
+            check_outcome(submitted, request)?;
+            result.extend(self.publish(&attempt, uploaded, &request.files)?);
+            let statement =
+                query("INSERT INTO results (job, attempt, summary, outcome) VALUES (?, ?, ?, ?)");
+            let statement = statement.bind(job.seq).bind(attempt.number);
+            let statement = statement.bind(json(&request.outcome.summary)?);
+            result.push(statement.bind(json(&request.outcome)?));
+        }
+        self.end_of(&attempt, &job, message, Input::Complete, None, result)
+            .await
     }
 
-    /// Makes the attempt's files exactly those of the result; `uploaded` is what it has.
-    async fn publish(
+    /// What makes the attempt's files exactly those of the result; `uploaded` is what it has.
+    fn publish(
         &mut self,
         attempt: &LeasedAttempt,
         uploaded: &[Row],
         files: &[FileEntry],
-    ) -> Result<()> {
+    ) -> Result<Option<Query>> {
         if !files.iter().any(|file| file.name == OUTCOME_FILE) {
             let sentence = format!("{OUTCOME_FILE} is missing among the files");
             return Err(StoreError::Invalid(sentence));
@@ -245,17 +268,13 @@ impl Change {
             .map(|(name, (_, sha256))| (name, sha256))
             .unzip();
         if names.is_empty() {
-            return Ok(());
+            return Ok(None);
         }
         self.garbage(contents);
-        query(
+        let dropped = query(
             "DELETE FROM attempt_files
              WHERE attempt = ? AND name IN (SELECT value FROM json_each(?))",
-        )
-        .bind(attempt.seq)
-        .bind(json(&names)?)
-        .execute(&mut self.connection)
-        .await?;
-        Ok(())
+        );
+        Ok(Some(dropped.bind(attempt.seq).bind(json(&names)?)))
     }
 }

@@ -3,7 +3,8 @@ use loadframe_api::{FileEntry, check_file_name};
 use tokio::io::AsyncRead;
 use uuid::Uuid;
 
-use super::blobs::{FileGuard, Received};
+use super::arriving::Received;
+use super::blobs::FileGuard;
 use super::database::{first_column, query, query_as, query_scalar};
 use super::encoding::entry;
 use super::error::{Result, StoreError};
@@ -197,19 +198,23 @@ impl Store {
 
 impl Change {
     async fn add_file(&mut self, key: LeaseKey, lease: i64, file: &FileEntry) -> Result<()> {
-        let (attempt, _) = self.extend(key, lease).await?;
-        let replaced = query("SELECT sha256 FROM attempt_files WHERE attempt = ? AND name = ?")
-            .bind(attempt.seq)
-            .bind(&file.name);
+        let replaced = query(
+            "SELECT f.sha256 FROM attempt_files f JOIN attempts a ON a.seq = f.attempt
+             WHERE a.id = ?1 AND a.token = ?2 AND a.ended_at IS NULL AND f.name = ?3",
+        )
+        .bind(key.id)
+        .bind(key.token)
+        .bind(&file.name);
         let added = query(
             "INSERT INTO attempt_files (attempt, name, bytes, sha256)
-             VALUES (?, ?, ?, ?)",
+             SELECT seq, ?3, ?4, ?5 FROM attempts WHERE id = ?1 AND token = ?2 AND ended_at IS NULL",
         )
-        .bind(attempt.seq)
+        .bind(key.id)
+        .bind(key.token)
         .bind(&file.name)
         .bind(i64::try_from(file.bytes).unwrap_or(i64::MAX))
         .bind(&file.sha256);
-        let rows = self.connection.run_all(vec![replaced, added]).await?;
+        let (_, _, rows) = self.extend_and(key, lease, [replaced, added]).await?;
         for rows in &rows {
             self.garbage(first_column::<String>(rows)?);
         }

@@ -8,8 +8,15 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempPath;
 
+use super::arriving::Received;
 use super::disk::{blocking, hash_of, sync_folder};
 use super::error::{Loss, Result, StoreError};
+
+/// Puts bytes that are durable under a temporary name in their place, durably.
+fn put(bytes: TempPath, place: &Path) -> std::io::Result<()> {
+    bytes.persist(place)?;
+    sync_folder(place.parent().unwrap_or(place))
+}
 
 /// The folder of files.
 #[derive(Clone, Debug)]
@@ -53,11 +60,7 @@ impl Folder {
     /// Puts bytes that are durable under a temporary name in their place, in the place of others.
     pub(super) async fn place(&self, sha256: &str, bytes: TempPath) -> Result<()> {
         let place = self.path(sha256);
-        blocking(&self.path(sha256), move || {
-            bytes.persist(&place)?;
-            sync_folder(place.parent().unwrap_or(&place))
-        })
-        .await
+        blocking(&self.path(sha256), move || put(bytes, &place)).await
     }
 
     /// Length of a stored file; `None` when it is not there.
@@ -68,40 +71,48 @@ impl Folder {
 
     /// Holds a stored file against its name and sets it aside if it is another; tells what is wrong.
     pub(super) async fn examine(&self, sha256: &str, bytes: u64) -> Result<Option<Loss>> {
-        let place = self.path(sha256);
-        let expected = sha256.to_owned();
-        let found = blocking(&place.clone(), move || match hash_of(&place) {
-            Ok((found, length)) if found == expected && length == bytes => Ok(None),
-            Ok(_) => Ok(Some(Loss::Changed)),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Some(Loss::Missing)),
-            Err(error) => Err(error),
-        })
-        .await;
-        let found = match found {
-            Ok(found) => found,
-            // a disk that cannot read it back has lost it as well
-            Err(StoreError::File { path, source }) => {
-                tracing::error!(path = %path.display(), error = %source, "a stored file cannot be read");
-                Some(Loss::Changed)
-            }
-            Err(error) => return Err(error),
-        };
-        if found == Some(Loss::Changed) {
-            self.set_aside(sha256).await?;
-        }
-        Ok(found)
+        let (folder, name) = (self.clone(), sha256.to_owned());
+        blocking(&self.path(sha256), move || folder.examined(&name, bytes)).await
     }
 
-    async fn set_aside(&self, sha256: &str) -> Result<()> {
-        let (place, folder) = (self.path(sha256), self.set_aside.clone());
-        let name = format!("{sha256}-{}", loadframe_api::Timestamp::now().as_millis());
-        tracing::error!(sha256, folder = %folder.display(), "a stored file is not what its name says; it is set aside");
-        blocking(&self.set_aside, move || {
-            std::fs::create_dir_all(&folder)?;
-            std::fs::rename(&place, folder.join(name))?;
-            sync_folder(place.parent().unwrap_or(&place))
+    /// Puts a file that has arrived in its place, durably, unless it is there already and still what its name
+    /// says: then it is as durable as this. All in one go where it may block: a way to another thread and back
+    /// takes as long as most of what is done there.
+    pub(super) async fn keep(&self, received: Received, incoming: &Path) -> Result<()> {
+        let (folder, incoming) = (self.clone(), incoming.to_owned());
+        let place = self.path(&received.sha256);
+        blocking(&place.clone(), move || {
+            if folder.examined(&received.sha256, received.bytes)?.is_none() {
+                return Ok(());
+            }
+            put(received.on_disk(&incoming)?, &place)
         })
         .await
+    }
+
+    /// [`Self::examine`]; blocks.
+    fn examined(&self, sha256: &str, bytes: u64) -> std::io::Result<Option<Loss>> {
+        let place = self.path(sha256);
+        match hash_of(&place) {
+            Ok((found, length)) if found == sha256 && length == bytes => return Ok(None),
+            Ok(_) => {}
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Some(Loss::Missing)),
+            // a disk that cannot read it back has lost it as well
+            Err(error) => {
+                tracing::error!(path = %place.display(), %error, "a stored file cannot be read");
+            }
+        }
+        self.set_aside(sha256)?;
+        Ok(Some(Loss::Changed))
+    }
+
+    fn set_aside(&self, sha256: &str) -> std::io::Result<()> {
+        let (place, folder) = (self.path(sha256), &self.set_aside);
+        let name = format!("{sha256}-{}", loadframe_api::Timestamp::now().as_millis());
+        tracing::error!(sha256, folder = %folder.display(), "a stored file is not what its name says; it is set aside");
+        std::fs::create_dir_all(folder)?;
+        std::fs::rename(&place, folder.join(name))?;
+        sync_folder(place.parent().unwrap_or(&place))
     }
 
     /// Copies a stored file to `to`; whether it was there.

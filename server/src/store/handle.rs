@@ -14,7 +14,7 @@ use super::pulses::Pulses;
 use super::reserve::{self, Reserve};
 use super::supervision::Restarts;
 use super::types::StoreOptions;
-use super::writer::{Change, Work, Writer};
+use super::writer::{Change, Size, Work, Writer};
 
 /// The store; a clone is another handle on the same one. What is changed through a handle is written
 /// down as done by its actor, if it has one.
@@ -111,8 +111,26 @@ impl Store {
         T: Send + 'static,
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
+        self.write_sized(Size::Usual, command).await
+    }
+
+    /// [`Self::write`] of what may change all jobs there are.
+    pub(super) async fn write_large<T, F>(&self, command: F) -> Result<T>
+    where
+        T: Send + 'static,
+        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
+    {
+        reserve::admit(&self.0.reserve)?;
+        self.write_sized(Size::Large, command).await
+    }
+
+    async fn write_sized<T, F>(&self, size: Size, command: F) -> Result<T>
+    where
+        T: Send + 'static,
+        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
+    {
         let actor = self.1.clone();
-        let written = self.0.writer.write(move |change| {
+        let written = self.0.writer.write(size, move |change| {
             change.actor = actor;
             command(change)
         });

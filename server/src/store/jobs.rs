@@ -1,5 +1,5 @@
 //! Jobs as clients see them, and how to tell cheaply whether anything changed.
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use indexmap::IndexMap;
 use loadframe_api::people::Named;
@@ -282,16 +282,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn jobs_version(&self) -> Result<u64> {
-        Ok(self.access_state().counts(self.lookups()).await?.jobs)
-    }
-
-    /// [`Self::jobs_version`], and [`Self::access_version`] of the same moment.
-    ///
-    /// # Errors
-    /// The database's.
-    pub async fn list_version(&self) -> Result<(u64, u64)> {
-        let counts = self.access_state().counts(self.lookups()).await?;
-        Ok((counts.jobs, counts.access))
+        Ok(self.access_state().versions(self.lookups()).await?.jobs)
     }
 
     /// Jobs by id, in any order; those that are gone are left out.
@@ -302,27 +293,27 @@ impl Store {
         .bind(hex_names(ids)?)
         .fetch_all(self.reads())
         .await?;
-        Ok(readable(self.with_names(rows).await?).0)
+        Ok(readable(self.with_names(rows, None).await?).0)
     }
 
-    /// Rows of a list with the names of their owners and projects. These are few and stand in many rows, each
-    /// of which would look them up, and bring them, by itself.
-    pub(super) async fn with_names(&self, mut rows: Vec<JobRow>) -> Result<Vec<JobRow>> {
+    /// Rows of a list with the names of their owners and projects. `access` is how often access had changed
+    /// when the request began, where that is known.
+    pub(super) async fn with_names(
+        &self,
+        mut rows: Vec<JobRow>,
+        access: Option<u64>,
+    ) -> Result<Vec<JobRow>> {
         let named = rows.iter().flat_map(|row| [row.owner, row.project]);
         let named: BTreeSet<Uuid> = named.flatten().collect();
         if named.is_empty() {
             return Ok(rows);
         }
-        let names: Vec<(Uuid, String)> = query_as(
-            "SELECT id, name FROM people WHERE id IN (SELECT unhex(value) FROM json_each(?1))
-             UNION ALL
-             SELECT id, name FROM projects WHERE id IN (SELECT unhex(value) FROM json_each(?1))",
-        )
-        .bind(hex_names(&named.into_iter().collect::<Vec<_>>())?)
-        .fetch_all(self.reads())
-        .await?;
-        let names: HashMap<Uuid, String> = names.into_iter().collect();
-        let name = |id: Option<Uuid>| names.get(&id?).cloned();
+        let access = match access {
+            Some(access) => access,
+            None => self.access_version().await?,
+        };
+        let names = self.names(access, &named).await?;
+        let name = |id: Option<Uuid>| names.get(&id?).map(ToString::to_string);
         for row in &mut rows {
             row.owner_name = name(row.owner);
             row.project_name = name(row.project);

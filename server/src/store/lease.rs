@@ -66,8 +66,8 @@ impl LeasedAttempt {
         connection: &mut Connection,
         key: LeaseKey,
     ) -> Result<(Self, LifecycleRow)> {
-        let found = query(FOUND).bind(key.id).bind(key.token);
-        leased(&connection.run_all(vec![found, job_of(key)]).await?, 1)
+        let statements = vec![attempt_of(key), job_of(key)];
+        leased(&connection.run_all(statements).await?, 1)
     }
 
     /// The attempt, if it is live.
@@ -84,12 +84,16 @@ impl LeasedAttempt {
     }
 }
 
-fn job_of(key: LeaseKey) -> Query {
+pub(super) fn attempt_of(key: LeaseKey) -> Query {
+    query(FOUND).bind(key.id).bind(key.token)
+}
+
+pub(super) fn job_of(key: LeaseKey) -> Query {
     query(JOB).bind(key.id).bind(key.token)
 }
 
 /// An attempt from the first of `rows`, and its job from those in this place.
-fn leased(rows: &[Vec<Row>], job: usize) -> Result<(LeasedAttempt, LifecycleRow)> {
+pub(super) fn leased(rows: &[Vec<Row>], job: usize) -> Result<(LeasedAttempt, LifecycleRow)> {
     let first = |place: usize| rows.get(place).and_then(|rows| rows.first());
     let (Some(attempt), Some(job)) = (first(0), first(job)) else {
         return Err(StoreError::LeaseLost);
@@ -110,6 +114,21 @@ impl Change {
         key: LeaseKey,
         lease: i64,
     ) -> Result<(LeasedAttempt, LifecycleRow)> {
+        let (attempt, job, _) = self.extend_and(key, lease, Vec::new()).await?;
+        Ok((attempt, job))
+    }
+
+    /// [`Self::extend`], and in the same go `then`, which does nothing where the lease is not held; the rows of each
+    /// statement of it.
+    ///
+    /// # Errors
+    /// [`StoreError::LeaseLost`] when the lease is not held.
+    pub(super) async fn extend_and(
+        &mut self,
+        key: LeaseKey,
+        lease: i64,
+        then: impl IntoIterator<Item = Query>,
+    ) -> Result<(LeasedAttempt, LifecycleRow, Vec<Vec<Row>>)> {
         let extended = query(
             "UPDATE attempts SET lease_until = ?, heard = TRUE
              WHERE id = ? AND token = ? AND ended_at IS NULL
@@ -120,8 +139,12 @@ impl Change {
         .bind(self.now.as_millis() + lease)
         .bind(key.id)
         .bind(key.token);
-        let statements = vec![extended, self.worker_heard(key), job_of(key)];
-        leased(&self.connection.run_all(statements).await?, 2)
+        let mut statements = vec![extended, self.worker_heard(key), job_of(key)];
+        let place = statements.len();
+        statements.extend(then);
+        let mut rows = self.connection.run_all(statements).await?;
+        let (attempt, job) = leased(&rows, 2)?;
+        Ok((attempt, job, rows.split_off(place)))
     }
 
     async fn report(

@@ -86,7 +86,7 @@ impl Store {
             }
             _ => self.filtered(filter, before, limit + 1).await?,
         };
-        Ok(page_of(self.with_names(rows).await?, limit))
+        Ok(page_of(self.with_names(rows, filter.access).await?, limit))
     }
 
     /// Numbers of the next `limit` jobs before number `before` that pass the filter, newest first.

@@ -7,7 +7,7 @@
 use loadframe_api::worker::{ClaimRequest, FaultRequest};
 
 use super::clock::millis;
-use super::database::{query, query_as, query_scalar};
+use super::database::{Query, query, query_as, query_scalar};
 use super::encoding::wire_name;
 use super::ending::digest;
 use super::error::Result;
@@ -147,18 +147,14 @@ impl Change {
         ))
     }
 
-    /// Notes that the machine has carried out a job, if it ever could not.
-    pub(super) async fn note_work(&mut self, attempt: &LeasedAttempt) -> Result<()> {
-        query(
+    /// The statement that notes that the machine has carried out a job, if it ever could not.
+    pub(super) fn has_worked(&self, attempt: &LeasedAttempt) -> Query {
+        let noted = query(
             "UPDATE machines SET faults = 0, until = 0, worked_at = ?
              WHERE host = ? AND worker_name = ?",
-        )
-        .bind(self.now.as_millis())
-        .bind(&attempt.host)
-        .bind(&attempt.worker_name)
-        .execute(&mut self.connection)
-        .await?;
-        Ok(())
+        );
+        let noted = noted.bind(self.now.as_millis());
+        noted.bind(&attempt.host).bind(&attempt.worker_name)
     }
 
     /// Ends the pause of the worker's machine.

@@ -8,7 +8,7 @@ use tokio::sync::{OnceCell, mpsc, watch};
 use super::blobs::Blobs;
 use super::calls::Calls;
 use super::clock::Clock;
-use super::database::{Connection, Database, DatabasePlace, Reading, query_scalar};
+use super::database::{Connection, Database, DatabasePlace, Reading, Undo, query_scalar};
 use super::error::{Result, StoreError};
 use super::handle::{Inner, Store};
 use super::identity::{Opening, identify, refuse_new_beside_files};
@@ -125,6 +125,7 @@ impl Store {
         mut connection: Connection,
         is_behind: bool,
     ) -> Result<Self> {
+        connection.keep_undo(Undo::InMemory).await?;
         let last: Option<i64> = query_scalar("SELECT MAX(seq) FROM events")
             .fetch_one(&mut connection)
             .await?;

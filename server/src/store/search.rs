@@ -225,7 +225,7 @@ impl Store {
         let places = numbers.iter().enumerate();
         let places: HashMap<i64, usize> = places.map(|(place, seq)| (*seq, place)).collect();
         rows.sort_unstable_by_key(|row| places.get(&row.seq).copied());
-        self.with_names(rows).await
+        self.with_names(rows, None).await
     }
 
     /// Adds values of their specs to jobs.

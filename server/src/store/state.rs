@@ -8,7 +8,7 @@ use uuid::Uuid;
 
 use super::checkpoints::checkpoint_contents;
 use super::choice::to_charge;
-use super::database::{Connection, FromRow, Query, query, query_as, query_scalar, row};
+use super::database::{Connection, FromRow, Query, Row, query, query_as, query_scalar, row};
 use super::encoding::{variant, wire_name};
 use super::error::{Result, StoreError};
 use super::writer::{Change, EventType};
@@ -106,10 +106,26 @@ impl Change {
         why: Option<String>,
         ending: Option<Ending>,
     ) -> Result<Step> {
+        let (step, _) = self.step_and(job, input, why, ending, Vec::new()).await?;
+        Ok(step)
+    }
+
+    /// [`Self::step`], and in the same go `then`, where it is one; the rows of each statement of it.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub(super) async fn step_and(
+        &mut self,
+        job: &LifecycleRow,
+        input: Input,
+        why: Option<String>,
+        ending: Option<Ending>,
+        then: Vec<Query>,
+    ) -> Result<(Step, Vec<Vec<Row>>)> {
         let before = job.state()?;
         let step = transition(before, input).map_err(|refusal| refused(refusal, input))?;
         if step.state == before && step.reason.is_none() {
-            return Ok(step);
+            return Ok((step, Vec::new()));
         }
         let charge = match (step.attempt_end, ending) {
             (Some(end), Some(ending)) => self.end_attempt(job, &ending, end).await?,
@@ -148,7 +164,9 @@ impl Change {
             statements.push(checkpoint_contents(job.seq, None));
         }
         statements.extend(charge);
-        let rows = self.event_after(statements, job.id, EventType::Job).await?;
+        let place = statements.len();
+        statements.extend(then);
+        let mut rows = self.event_after(statements, job.id, EventType::Job).await?;
         if rows.first().is_none_or(Vec::is_empty) {
             return Err(StoreError::Unavailable);
         }
@@ -159,7 +177,7 @@ impl Change {
         if matches!(step.state, State::Queued { .. }) {
             self.queued();
         }
-        Ok(step)
+        Ok((step, rows.split_off(place)))
     }
 
     /// Ends an attempt that is live under its token; of what it leaves, only a checkpoint, a

@@ -158,6 +158,8 @@ pub struct JobFilter {
     /// Only what the caller sees; `None` sees everything.
     pub sight: Option<Sight>,
     pub project: Option<Uuid>,
+    /// How often access had changed when the request began, where that is known ([`super::Store::access_version`]).
+    pub access: Option<u64>,
 }
 
 impl JobFilter {
@@ -173,6 +175,7 @@ impl JobFilter {
             created_before,
             sight: _,
             project,
+            access: _,
         } = self;
         status.is_none()
             && outcome.is_none()

@@ -192,9 +192,12 @@ impl Store {
     /// The database's.
     pub async fn counts(&self) -> Result<Counts> {
         let mut counts = Counts::default();
-        let jobs: Vec<(String, i64)> = query_as("SELECT state, jobs FROM job_counts")
-            .fetch_all(self.reads())
-            .await?;
+        let jobs: Vec<(String, i64)> = query_as(
+            "SELECT state, jobs FROM job_counts
+             UNION ALL SELECT 'queued', CAST(COALESCE(SUM(jobs), 0) AS BIGINT) FROM waiting_lines",
+        )
+        .fetch_all(self.reads())
+        .await?;
         for (state, count) in jobs {
             let place = match state.as_str() {
                 "queued" => &mut counts.queued,
@@ -209,8 +212,8 @@ impl Store {
             *place = count.unsigned_abs();
         }
         let (oldest, alive, lost, bytes): (Option<i64>, i64, i64, i64) = query_as(
-            "SELECT (SELECT created_at FROM jobs INDEXED BY jobs_waiting_since
-                     WHERE status = 'queued' ORDER BY created_at LIMIT 1),
+            "SELECT (SELECT created_at FROM jobs INDEXED BY jobs_by_status
+                     WHERE status = 'queued' ORDER BY seq LIMIT 1),
                     (SELECT COUNT(*) FROM workers WHERE last_seen_at >= ?),
                     (SELECT COUNT(*) FROM attempts WHERE end_reason = 'lost'),
                     (SELECT CAST(COALESCE(SUM(bytes), 0) AS BIGINT) FROM (

@@ -20,7 +20,7 @@ use uuid::Uuid;
 
 use super::clock::Clock;
 use super::collector::Garbage;
-use super::database::{self, Connection, Database, News, Query, Row, raise};
+use super::database::{self, Connection, Database, News, Query, Row, Undo, raise};
 use super::error::{Result, StoreError};
 use super::people::{Actor, Line};
 use super::reserve::{Reserve, told_full};
@@ -36,10 +36,25 @@ const LONG_WAIT: Duration = Duration::from_secs(1);
 pub(super) type Work<'c, T> = Pin<Box<dyn Future<Output = Result<T>> + Send + 'c>>;
 
 type Deliver = Box<dyn FnOnce() + Send>;
-type Command = Box<
+type Run = Box<
     dyn for<'c> FnOnce(&'c mut Change) -> Pin<Box<dyn Future<Output = CommandEnd> + Send + 'c>>
         + Send,
 >;
+
+/// How much a command changes at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Size {
+    /// A few hundred rows.
+    Usual,
+    /// All jobs there are.
+    Large,
+}
+
+/// What somebody wants to be done in a transaction.
+struct Command {
+    run: Run,
+    size: Size,
+}
 
 /// A command that has run: whether its changes are to stay, and how to answer once they are safe.
 struct CommandEnd {
@@ -201,13 +216,13 @@ impl Writer {
     /// # Errors
     /// Those of the command, whose changes are then undone; [`StoreError::Unavailable`] when the
     /// transaction could not be committed.
-    pub(super) async fn write<T, F>(&self, command: F) -> Result<T>
+    pub(super) async fn write<T, F>(&self, size: Size, command: F) -> Result<T>
     where
         T: Send + 'static,
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
         let (answer, answered) = oneshot::channel::<Result<T>>();
-        let command: Command = Box::new(move |change| {
+        let run: Run = Box::new(move |change| {
             Box::pin(async move {
                 if answer.is_closed() {
                     return CommandEnd {
@@ -224,6 +239,7 @@ impl Writer {
             })
         });
         let gone = |_| StoreError::Unavailable;
+        let command = Command { run, size };
         self.commands.send(command).await.map_err(gone)?;
         answered.await.unwrap_or(Err(StoreError::Unavailable))
     }
@@ -239,9 +255,11 @@ async fn run(
     let mut batch = Vec::with_capacity(LARGEST_BATCH);
     while waiting.recv_many(&mut batch, LARGEST_BATCH).await > 0 {
         let mut answers = Vec::new();
+        let has_large = batch.iter().any(|command| command.size == Size::Large);
         let committing = commit(
             &mut change,
             batch.drain(..),
+            has_large,
             &mut answers,
             announcements.server,
         );
@@ -273,8 +291,9 @@ async fn run(
         if is_usable {
             // the database may have rolled back by itself, and then there is nothing to undo
             let _ = change.connection.run("ROLLBACK").await;
+            let _ = change.connection.keep_undo(Undo::InMemory).await;
         } else {
-            change.connection = until_done("writer", || database.connect()).await;
+            change.connection = until_done("writer", || database.connect_for_commands()).await;
             change.last_trouble = change.clock.now().as_millis();
         }
     }
@@ -296,10 +315,14 @@ fn is_broken(error: &StoreError) -> bool {
 async fn commit(
     change: &mut Change,
     batch: impl Iterator<Item = Command>,
+    has_large: bool,
     answers: &mut Vec<Deliver>,
     server: Uuid,
 ) -> Result<Effects> {
     let mut effects = Effects::default();
+    if has_large {
+        change.connection.keep_undo(Undo::InFile).await?;
+    }
     let start = Instant::now();
     if let Some(moment) = change.connection.begin_commands().await? {
         change.clock.follow(moment);
@@ -315,7 +338,7 @@ async fn commit(
             change.connection.run(begin).await?;
         }
         change.now = change.clock.now();
-        let CommandEnd { stays, deliver } = command(change).await;
+        let CommandEnd { stays, deliver } = (command.run)(change).await;
         answers.push(deliver);
         if change.full.is_some() {
             // the database may have undone the whole transaction by itself: nothing of it is kept
@@ -349,6 +372,9 @@ async fn commit(
         true => change.connection.commit().await?,
         false => Line::commit(&effects.lines, &mut change.connection).await?,
     }
+    if has_large {
+        change.connection.keep_undo(Undo::InMemory).await?;
+    }
     Ok(effects)
 }
 
@@ -370,6 +396,7 @@ impl Announcements {
 
 #[cfg(test)]
 mod tests {
+    use crate::store::database::query_scalar;
     use crate::store::{Store, StoreError, StoreOptions};
 
     #[tokio::test(flavor = "multi_thread")]
@@ -387,5 +414,40 @@ mod tests {
             let counts = store.counts().await.expect("counts");
             assert_eq!(counts.writer_restarts, round);
         }
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn what_undoes_a_command_is_in_a_file_only_where_it_may_be_much() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::open(StoreOptions::new(folder.path())).await;
+        let store = store.expect("a store");
+        macro_rules! place {
+            ($write:ident) => {{
+                let written = store.$write(|change| {
+                    Box::pin(async {
+                        let place = query_scalar("PRAGMA temp_store");
+                        let place: i64 = place.fetch_one(&mut change.connection).await?;
+                        Ok(place)
+                    })
+                });
+                written.await.expect("it runs")
+            }};
+        }
+        const DEFAULT: i64 = 0;
+        const MEMORY: i64 = 2;
+        assert_eq!(place!(write), MEMORY);
+        assert_eq!(place!(write_large), DEFAULT);
+        assert_eq!(place!(write), MEMORY);
+        // a connection that is opened anew is as the first
+        let panicked = store
+            .write_large(|_| Box::pin(async { panic!("of a test") }))
+            .await;
+        let panicked: Result<(), StoreError> = panicked;
+        assert!(panicked.is_err());
+        assert_eq!(place!(write), MEMORY);
+        let refused = store.write_large(|_| Box::pin(async { Err(StoreError::LeaseLost) }));
+        let refused: Result<(), StoreError> = refused.await;
+        assert!(matches!(refused, Err(StoreError::LeaseLost)));
+        assert_eq!(place!(write), MEMORY);
     }
 }

@@ -1,5 +1,6 @@
 //! What every store must hold, whatever lies beneath it: the rules of the queue, seen from outside.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+mod arriving;
 mod backlog;
 mod calls;
 mod claims;

@@ -179,6 +179,7 @@ impl Follower {
         let call = Call {
             caller,
             trace: self.call.trace,
+            versions: None,
         };
         self.sight = call.sight(&self.store).await.ok()?;
         self.call = Arc::new(call);

@@ -17,6 +17,7 @@ use super::super::conditional::EntityTag;
 use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, Result};
 use crate::access::{Identity, Sight, Whose};
+use crate::store::people::Versions;
 use crate::store::{JobFilter, StoreError, Wanted};
 
 /// Jobs on a page unless asked otherwise.
@@ -114,7 +115,8 @@ pub(super) async fn list(
     Query(query): Query<ListQuery>,
     headers: HeaderMap,
 ) -> Result<Response> {
-    let (sight, version) = seen(&state, &permit, &query).await?;
+    let versions = permit.call.versions(&state.store).await?;
+    let (sight, version) = seen(&state, &permit, &query, versions).await?;
     let tag = EntityTag::weak(version);
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
@@ -131,6 +133,7 @@ pub(super) async fn list(
         created_before: query.created_before,
         sight,
         project: query.project,
+        access: Some(versions.access),
     };
     let wanted = Wanted {
         conditions: listed(
@@ -173,8 +176,8 @@ async fn seen(
     state: &AppState,
     permit: &Permit<Read>,
     query: &ListQuery,
+    Versions { access, jobs }: Versions,
 ) -> Result<(Option<Sight>, String)> {
-    let (jobs, access) = state.store.list_version().await?;
     let caller = &permit.call.caller;
     if caller.identity == Identity::Sole {
         return Ok((None, jobs.to_string()));

@@ -43,6 +43,13 @@ pub(in super::super) enum Reading {
     Lookups,
 }
 
+/// Where what undoes a command is kept until the command stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum Undo {
+    InMemory,
+    InFile,
+}
+
 /// Where a statement is run.
 pub(in super::super) enum On<'c> {
     Sqlite(backend::On<'c, Sqlite>),
@@ -110,6 +117,16 @@ impl Database {
                 Connection::Postgres(Link::Own(postgres::connect(&address.0).await?))
             }
         })
+    }
+
+    /// A connection for commands.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(in super::super) async fn connect_for_commands(&self) -> Result<Connection> {
+        let mut connection = self.connect().await?;
+        connection.keep_undo(Undo::InMemory).await?;
+        Ok(connection)
     }
 
     /// So many connections that cannot write.

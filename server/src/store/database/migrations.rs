@@ -40,6 +40,7 @@ const SQLITE: &[Step] = steps! { "":
     16 "mails" "0016_mails.sql",
     17 "kept values" "0017_kept_values.sql",
     18 "texts in bulk" "0018_texts_in_bulk.sql",
+    19 "lighter submissions" "0019_lighter_submissions.sql",
 };
 
 const POSTGRES: &[Step] = steps! { "postgres/":
@@ -48,6 +49,7 @@ const POSTGRES: &[Step] = steps! { "postgres/":
     3 "triggers" "0003_triggers.sql",
     4 "texts" "0004_texts.sql",
     5 "kept values" "0005_kept_values.sql",
+    6 "lighter submissions" "0006_lighter_submissions.sql",
 };
 
 pub(super) fn of_sqlite() -> Migrator {
@@ -127,7 +129,8 @@ mod tests {
                 "944ffa9e1f350752",
                 "1e60e7629c76ed2c",
                 "4cb74f3addabd3d8",
-                "0b311f71be1424ba"
+                "0b311f71be1424ba",
+                "18e39f0776760a48"
             ]
         );
     }

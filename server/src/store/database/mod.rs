@@ -23,7 +23,7 @@ mod transaction;
 mod value;
 mod whole;
 
-pub(super) use connection::{Connection, Database, On, Pool, Reading};
+pub(super) use connection::{Connection, Database, On, Pool, Reading, Undo};
 pub(super) use failures::{is_broken, refuses_text, told_full};
 pub(super) use own_words::{LastStatement, Texts};
 pub use place::{DatabaseAddress, DatabasePlace};

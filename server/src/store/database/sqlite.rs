@@ -27,6 +27,10 @@ const LOG_KEPT: &str = "67108864";
 pub(super) const BEGIN: &str = "BEGIN IMMEDIATE";
 /// The same, and its first savepoint.
 pub(super) const BEGIN_COMMANDS: &str = "BEGIN IMMEDIATE; SAVEPOINT command";
+/// Keeps in memory what undoes a command, or from 16 changed pages on in a file of its own: making and removing
+/// one takes longer than most commands, which change that many.
+pub(super) const UNDO_IN_MEMORY: &str = "PRAGMA temp_store = MEMORY";
+pub(super) const UNDO_IN_FILE: &str = "PRAGMA temp_store = DEFAULT";
 /// Numbers an event and makes that its job's version: ?1 the job's id, ?2 the event's type, ?3 the moment.
 pub(super) const EVENT: &str = "INSERT OR REPLACE INTO events (job, type, at) VALUES (?1, ?2, ?3)
      RETURNING seq;

@@ -5,7 +5,7 @@ use uuid::Uuid;
 
 use super::super::error::Result;
 use super::backend::Link;
-use super::connection::Connection;
+use super::connection::{Connection, Undo};
 use super::own_words::LastStatement;
 use super::sharing::News;
 use super::statement::{Query, query, query_scalar};
@@ -56,6 +56,22 @@ impl Connection {
         let moment = self.begin_writing().await?;
         self.run("SAVEPOINT command").await?;
         Ok(moment)
+    }
+
+    /// Says where what undoes a command is to be kept in the transactions that begin from now on: in memory, or,
+    /// for what changes very many rows, in a file.
+    ///
+    /// # Errors
+    /// The database's.
+    pub(in super::super) async fn keep_undo(&mut self, undo: Undo) -> Result<()> {
+        if let Self::Sqlite(_) = self {
+            let text = match undo {
+                Undo::InMemory => sqlite::UNDO_IN_MEMORY,
+                Undo::InFile => sqlite::UNDO_IN_FILE,
+            };
+            query(text).execute(self).await?;
+        }
+        Ok(())
     }
 
     /// Ends a transaction with a last statement of one value, in one way to the database and back where it

@@ -76,7 +76,7 @@ impl Store {
         let name = clean_name("/name", name)?;
         let kept = hashed("/password", password.to_owned()).await?;
         let made = self
-            .write(move |change| {
+            .write_large(move |change| {
                 Box::pin(async move {
                     let has_people: bool = query_scalar("SELECT EXISTS (SELECT 1 FROM people)")
                         .fetch_one(&mut change.connection)
@@ -152,7 +152,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`]; [`StoreError::Refused`] where the other cannot own jobs.
     pub async fn hand_over(&self, from: Uuid, to: Uuid) -> Result<()> {
-        self.write(move |change| {
+        self.write_large(move |change| {
             Box::pin(async move {
                 let giver = PersonRow::of(&mut change.connection, from).await?;
                 let taker = change.owner_to_be("/to", to).await?;

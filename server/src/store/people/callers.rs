@@ -14,7 +14,7 @@ use super::super::Store;
 use super::super::database::{query, query_as, row};
 use super::super::encoding::{parsed, variant};
 use super::super::error::{Result, StoreError};
-use super::remembered::{Remembered, Secret};
+use super::remembered::{Remembered, Secret, Versions};
 use crate::access::{Caller, Credential, Identity, JobFacts, Link, Person, ProjectFacts};
 
 /// A session that nobody used for so long has ended [ms].
@@ -123,45 +123,63 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn access_version(&self) -> Result<u64> {
-        Ok(self.access_state().counts(self.lookups()).await?.access)
+        Ok(self.access_state().versions(self.lookups()).await?.access)
     }
 
-    /// Who has the token whose secret has this SHA-256.
+    /// [`Self::access_version`] and [`Self::jobs_version`], of the same moment.
     ///
     /// # Errors
     /// The database's.
-    pub async fn caller_by_token(&self, sha256: &str) -> Result<Option<Caller>> {
+    pub async fn versions(&self) -> Result<Versions> {
+        self.access_state().versions(self.lookups()).await
+    }
+
+    /// Who has the token whose secret has this SHA-256, and how often things had changed before that was read.
+    ///
+    /// # Errors
+    /// The database's.
+    pub async fn caller_by_token(&self, sha256: &str) -> Result<Option<(Caller, Versions)>> {
         let secret = Secret::Token(sha256.to_owned());
-        let found = match self.remembered(&secret).await? {
-            Ok(caller) => Some(caller),
-            Err(access) => {
+        let (versions, known) = self.remembered(&secret).await?;
+        let found = match known {
+            Some(caller) => Some(caller),
+            None => {
                 let found = self.token_caller(Some(sha256), None).await?;
-                self.remember(access, secret, found)
+                self.remember(versions.access, secret, found)
             }
         };
-        Ok(found.filter(|caller| !self.is_nobodys(caller)))
+        let found = found.filter(|caller| !self.is_nobodys(caller));
+        Ok(found.map(|caller| (caller, versions)))
     }
 
-    /// Who is signed in by the session whose secret has this SHA-256, in a cookie of that kind.
+    /// Who is signed in by the session whose secret has this SHA-256, in a cookie of that kind; and the same.
     ///
     /// # Errors
     /// The database's.
-    pub async fn caller_by_session(&self, sha256: &str, is_secure: bool) -> Result<Option<Caller>> {
+    pub async fn caller_by_session(
+        &self,
+        sha256: &str,
+        is_secure: bool,
+    ) -> Result<Option<(Caller, Versions)>> {
         let secret = Secret::Session(sha256.to_owned(), is_secure);
-        match self.remembered(&secret).await? {
-            Ok(caller) => Ok(Some(caller)),
-            Err(access) => {
+        let (versions, known) = self.remembered(&secret).await?;
+        let found = match known {
+            Some(caller) => Some(caller),
+            None => {
                 let found = self.session_caller(Some((sha256, is_secure)), None).await?;
-                Ok(self.remember(access, secret, found))
+                self.remember(versions.access, secret, found)
             }
-        }
+        };
+        Ok(found.map(|caller| (caller, versions)))
     }
 
-    /// The caller with this secret as remembered, or else under which count of changes to remember it.
-    async fn remembered(&self, secret: &Secret) -> Result<std::result::Result<Caller, u64>> {
-        let access = self.access_version().await?;
-        let known = self.access_state().caller(access, secret, self.now());
-        Ok(known.ok_or(access))
+    /// The caller with this secret, where it is remembered under the versions as they are now.
+    async fn remembered(&self, secret: &Secret) -> Result<(Versions, Option<Caller>)> {
+        let versions = self.versions().await?;
+        let known = self
+            .access_state()
+            .caller(versions.access, secret, self.now());
+        Ok((versions, known))
     }
 
     fn remember(&self, access: u64, secret: Secret, found: Option<Remembered>) -> Option<Caller> {

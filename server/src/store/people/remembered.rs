@@ -8,13 +8,14 @@
 //! hundred at once are a reading or two.
 //!
 //! Whether there are people at all is looked up twice a second, and the count too, for open streams.
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use loadframe_api::Timestamp;
 use tokio::sync::watch;
+use uuid::Uuid;
 
 use super::super::database::{Pool, query_as};
 use super::super::error::Result;
@@ -31,26 +32,26 @@ pub struct AccessState {
     has_people: AtomicBool,
     version: watch::Sender<u64>,
     known: Mutex<Known>,
-    /// Readings of the counts that have begun.
+    /// Readings of the versions that have begun.
     begun: AtomicU64,
     last: tokio::sync::Mutex<Reading>,
 }
 
-/// What the counts were.
+/// What the versions were.
 #[derive(Clone, Copy, Debug, Default)]
 struct Reading {
     /// As how many readings had begun with it.
     number: u64,
-    counts: Counts,
+    versions: Versions,
 }
 
-/// How often things have changed.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in super::super) struct Counts {
+/// How often things had changed at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Versions {
     /// Who may see and do what.
-    pub(in super::super) access: u64,
+    pub access: u64,
     /// Jobs: the number of the last event.
-    pub(in super::super) jobs: u64,
+    pub jobs: u64,
 }
 
 /// What was read since access changed last.
@@ -59,7 +60,12 @@ struct Known {
     version: u64,
     callers: HashMap<Secret, Remembered>,
     projects: Option<Arc<[ProjectFacts]>>,
+    /// Names of people and projects that lists had in them.
+    names: Names,
 }
+
+/// Names of people and projects.
+pub(in super::super) type Names = HashMap<Uuid, Arc<str>>;
 
 /// By the SHA-256 of which secret a caller is known.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -121,8 +127,8 @@ impl AccessState {
         }
     }
 
-    /// The counts, by a reading that begins after the call does.
-    pub(in super::super) async fn counts(&self, pool: &Pool) -> Result<Counts> {
+    /// The versions, by a reading that begins after the call does.
+    pub(in super::super) async fn versions(&self, pool: &Pool) -> Result<Versions> {
         let begun = self.begun.load(Ordering::SeqCst);
         let mut last = self.last.lock().await;
         if last.number <= begun {
@@ -131,13 +137,13 @@ impl AccessState {
                 query_as("SELECT version, (SELECT MAX(seq) FROM events) FROM access")
                     .fetch_one(pool)
                     .await?;
-            let counts = Counts {
+            let versions = Versions {
                 access: access.unsigned_abs(),
                 jobs: jobs.unwrap_or_default().unsigned_abs(),
             };
-            *last = Reading { number, counts };
+            *last = Reading { number, versions };
         }
-        Ok(last.counts)
+        Ok(last.versions)
     }
 
     pub(super) fn has_people(&self) -> bool {
@@ -176,6 +182,21 @@ impl AccessState {
     pub(super) fn remember_projects(&self, version: u64, projects: Arc<[ProjectFacts]>) {
         if let Some(mut known) = self.known_at(version) {
             known.projects = Some(projects);
+        }
+    }
+
+    /// Of these people and projects, the names that were read under this count.
+    pub(super) fn names(&self, version: u64, of: &BTreeSet<Uuid>) -> Names {
+        let known = self.known_at(version);
+        let name = |id: &Uuid| Some((*id, known.as_ref()?.names.get(id)?.clone()));
+        of.iter().filter_map(name).collect()
+    }
+
+    /// Remembers names, which were read after this count.
+    pub(super) fn remember_names(&self, version: u64, names: &Names) {
+        if let Some(mut known) = self.known_at(version) {
+            let names = names.iter().map(|(id, name)| (*id, Arc::clone(name)));
+            known.names.extend(names);
         }
     }
 

@@ -174,7 +174,7 @@ impl Store {
     /// # Errors
     /// The database's.
     pub async fn undo_retention(&self, project: Uuid) -> Result<u64> {
-        self.write(move |change| {
+        self.write_large(move |change| {
             Box::pin(async move {
                 let files = query(
                     "UPDATE attempt_files SET removed_at = NULL WHERE removed_at IS NOT NULL

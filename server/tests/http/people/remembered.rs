@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
 
 use loadframe_api::Timestamp;
-use loadframe_api::people::{NewToken, PersonChanges, Scope, Visibility};
+use loadframe_api::people::{NewToken, PersonChanges, ProjectChanges, Scope, Visibility};
 use loadframe_server::store::{Clock, Store, StoreOptions};
 use uuid::Uuid;
 
@@ -73,6 +73,35 @@ async fn what_another_process_revokes_ends_with_the_next_request() {
         .get(&group.carl, "/v1/me")
         .await
         .problem(401, "sign-in-needed");
+}
+
+#[tokio::test]
+async fn what_another_process_renames_has_its_new_name_in_the_next_list() {
+    let group = Group::open().await;
+    let other = beside(&group).await;
+    let shared = group
+        .project(&group.anna, Visibility::Group, Some(group.paper))
+        .await
+        .id;
+    group.submit(&group.anna, shared).await;
+    let (token, _) = group.token(&group.bert, Scope::Read).await;
+    let names = async |path: &str| {
+        let list = group.get(&token, path).await.json();
+        ["owner", "project"].map(|of| list["items"][0][of]["name"].clone())
+    };
+    for number in 0..3 {
+        let name = format!("called {number}");
+        let changes = ProjectChanges {
+            name: Some(name.clone()),
+            ..ProjectChanges::default()
+        };
+        let renamed = other.change_project(shared, changes).await;
+        renamed.expect("renamed");
+        // remembered by the second of each
+        for path in ["/v1/jobs", "/v1/jobs", "/v1/jobs?sort=/spec/seed"] {
+            assert_eq!(names(path).await, ["Anna", &name], "{path}");
+        }
+    }
 }
 
 #[tokio::test]

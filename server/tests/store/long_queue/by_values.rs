@@ -75,7 +75,8 @@ async fn fill(lab: &Lab, count: i64, people: &[Uuid]) {
          FROM jobs WHERE outcome = 'succeeded'",
         "INSERT INTO job_tags (tag, job) SELECT 'wet', seq FROM jobs WHERE tags <> '[]'",
         "INSERT INTO job_texts (job, trigrams) SELECT seq, trigrams(name, notes, tags) FROM jobs",
-        "INSERT INTO job_counts (state, jobs) SELECT COALESCE(outcome, status), COUNT(*) FROM jobs GROUP BY 1",
+        "INSERT INTO job_counts (state, jobs) SELECT COALESCE(outcome, status), COUNT(*) FROM jobs
+         WHERE status <> 'queued' GROUP BY 1",
         "INSERT INTO waiting_counts (bits, priority, owner, block, jobs)
          SELECT bits, priority, COALESCE(owner, ''), seq >> bits, COUNT(*)
          FROM jobs, unnest(ARRAY[6, 12, 18]) bits WHERE status = 'queued' GROUP BY 1, 2, 3, 4",

@@ -87,7 +87,7 @@ pub(super) async fn fill_in_bulk(lab: &Lab, count: i64, people: &[Uuid]) {
         "INSERT INTO waiting_lines (priority, owner, kind, needs, jobs, core_ms)
          SELECT priority, COALESCE(owner, x''), kind, needs, COUNT(*), 0
          FROM jobs WHERE status = 'queued' GROUP BY 1, 2, 3, 4",
-        "INSERT INTO job_counts SELECT COALESCE(outcome, status), COUNT(*) FROM jobs GROUP BY 1",
+        "INSERT INTO job_counts SELECT COALESCE(outcome, status), COUNT(*) FROM jobs WHERE status <> 'queued' GROUP BY 1",
         "INSERT INTO job_tags (tag, job) SELECT value, seq FROM jobs, json_each(jobs.tags)",
         "INSERT INTO job_texts (job_texts) VALUES ('rebuild')",
         "UPDATE job_texts_known SET up_to = (SELECT MAX(seq) FROM jobs)",
