@@ -1,6 +1,7 @@
 //! How much a sheet will be, before it is made.
 use std::f64::consts::PI;
 
+use super::equilibrium::{DIRECT, FACTORED_TRUSS, LEAST_TAUT, has_rigid_groups};
 use super::{BondsAt, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp, Specimen};
 use crate::fibre::{OnInadmissible, Window, line_length_um};
 
@@ -11,12 +12,6 @@ const COLUMNS: f64 = 6.0 * 35.0;
 
 /// Nodes of a fibre between closed jaws, laid in quarters of a width.
 const NODES_OF_A_PIECE: f64 = 6.0;
-/// Unknowns from which on the engine iterates.
-const DIRECT: f64 = 1e6;
-/// Unknowns of a truss up to which iterations have a factor of it, unless its bars are taut by this strain.
-const FACTORED_TRUSS: f64 = 1e5;
-const LEAST_TAUT: f64 = 1e-5;
-const LEAST_PRECISION: f64 = 5e-3;
 /// Entries of a factor of tubes: a bond joins the four rings around it, all points with all.
 const TUBE_ENTRIES: f64 = 7.3;
 /// Memory of tubes [B] for an unknown and for a bond, counted: five springs for a point, the blocks of a bond's points.
@@ -196,7 +191,7 @@ impl PaperTensile {
 pub(super) fn is_iterated(spec: &PaperTensile, unknowns: f64) -> bool {
     let knobs = spec.accuracy.knobs();
     let has_factor = spec.yields() || spec.level() == Level::Tube;
-    knobs.bonds_at == BondsAt::Inside || (unknowns > DIRECT && !has_factor)
+    knobs.bonds_at == BondsAt::Inside || (unknowns > DIRECT as f64 && !has_factor)
 }
 
 /// Entries of the factor of a flat network, fitted to ten from 1600 to 710 000 unknowns, with 27 to 384
@@ -230,15 +225,15 @@ pub(super) fn iterated_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
 
 /// Whether iterations have a factor of a truss itself.
 pub(super) fn is_factored_truss(spec: &PaperTensile, unknowns: f64) -> bool {
-    spec.level() == Level::Truss && tautness(spec).is_none() && unknowns <= FACTORED_TRUSS
+    spec.level() == Level::Truss && tautness(spec).is_none() && unknowns <= FACTORED_TRUSS as f64
 }
 
 /// Strain of the bars of a truss over that from which on they count as taut; none below, and where every break is told
 /// exactly.
 pub(super) fn tautness(spec: &PaperTensile) -> Option<f64> {
     let strain = spec.model.taut_strain?;
-    let is_taut = strain >= LEAST_TAUT && spec.accuracy.knobs().break_precision >= LEAST_PRECISION;
-    (spec.level() == Level::Truss && is_taut).then_some(strain / LEAST_TAUT)
+    let is_grouped = has_rigid_groups(strain, spec.accuracy.knobs().break_precision);
+    (spec.level() == Level::Truss && is_grouped).then_some(strain / LEAST_TAUT)
 }
 
 /// Whether iterations are in single precision.

@@ -12,6 +12,7 @@
 //! entries). What helps is that bars are taut: by 1e-5 it is 566 with 1024 nodes, by 1e-4 323.
 use std::ops::Range;
 
+use loadframe_api::spec::paper_tensile::equilibrium::FACTORED_TRUSS;
 use loadframe_numerics::Team;
 use nalgebra::Vector3;
 
@@ -27,8 +28,6 @@ use super::scalar::Scalar;
 const NODES: u32 = 64;
 /// The same of trusses, whose iterations hardly know how large groups are.
 const NODES_OF_TRUSS: u32 = 1024;
-/// Unknowns of a truss up to which each node is a group, unless it is taut and asked for no exact rest.
-const FACTORED_TRUSS: usize = 100_000;
 /// What raises the diagonal, as a share of it: motions that nothing resists.
 const RAISED: f64 = 1e-9;
 /// The same where each node is a group: far below what keeps loose bars in place.
