@@ -228,7 +228,7 @@ def measure_inside(folder: Path) -> dict:
 
 def bonds_inside(folder: Path) -> list[list[str]]:
     """Stiffness with bonds inside over that with bonds at nodes, of one sheet."""
-    rows = [["straight parts", "too stiff by, `inside`", "points of bonds over nodes of fibres", "unknowns, `inside` over `nodes`"]]
+    rows = [["straight parts", "too stiff by, `inside`", "points of bonds over free nodes of fibres", "unknowns, `inside` over `nodes`"]]
     for widths in PARTS:
         nodes, within = (outcome_of(folder / f"{bonds_at}_{widths}") for bonds_at in ("nodes", "inside"))
         stiffness = [one["summary"]["tensile_stiffness_index"]["value"] for one in (nodes, within)]
