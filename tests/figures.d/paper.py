@@ -1,4 +1,4 @@
-"""Tables of the paper tensile test: straight parts, trends over seeds, levels of the model, large sheets, breaks of one solution,
+"""Tables of the paper tensile test: straight parts, trends over seeds, levels of the model, tubes, masses in motion,
 a frame solved another way."""
 
 import copy
@@ -11,7 +11,6 @@ import sys
 from pathlib import Path
 
 from measuring import BINARY, ROOT, commit_of_executable, example, run
-from plots import PICTURES, Plot, Series
 from words import Table, digits, percent, seconds
 
 SEEDS = 12
@@ -437,147 +436,6 @@ def tubes(folder: Path) -> list[list[str]]:
 
 POINTS_ON_RING = 6
 
-# ── large sheets ────────────────────────────────────────────────────────────────────────────────────
-
-# Lengths of sheets half as wide [mm], of 1 000 to 30 000 fibres, to the first equilibrium.
-LARGE = [2.6, 4.9, 9.5, 19.5]
-SMALL_STRAIN = 1e-6
-# The same of beams that are pulled to the peak.
-PULLED = [1.5, 2.6]
-PRECISION = 0.1
-# The force at which a pull is ended, over its largest.
-JUST_PAST = 0.9
-
-
-def large(length: float) -> dict:
-    """Softwood of 2 mm at 60 g/m², bonds inside straight parts of four widths; pulled to its first equilibrium."""
-    body = example("paper_tensile_sheet")
-    spec = body["spec"]
-    spec["specimen"] = {"sheet": {"length_mm": length, "width_mm": length / 2, "grammage_g_per_m2": 60}}
-    spec["accuracy"] = {"segment_widths": 4, "bonds_at": "inside", "break_precision": 0.05}
-    spec["test"] = {"max_strain": SMALL_STRAIN}
-    spec["output"] = {"snapshot_every_steps": 0}
-    return body
-
-
-def pulled(length: float) -> dict:
-    """The same sheet, pulled until its force has fallen by a tenth."""
-    body = large(length)
-    spec = body["spec"]
-    spec["accuracy"]["break_precision"] = PRECISION
-    spec["test"] = {"max_strain": 0.1, "stop_force_fraction": JUST_PAST}
-    return body
-
-
-def place_of_large(folder: Path, length: float) -> Path:
-    return folder / f"rest_{round(1e3 * length)}_um"
-
-
-def measure_large(folder: Path) -> dict:
-    for length in LARGE:
-        outcome = run(large(length), place_of_large(folder, length))
-    return {"commit": outcome["provenance"]["engine_commit"]}
-
-
-def measure_pulled(folder: Path) -> dict:
-    for length in PULLED:
-        outcome = run(pulled(length), place_of_large(folder, length))
-    return {"commit": outcome["provenance"]["engine_commit"]}
-
-
-def grouped(value: float) -> str:
-    return f"{value:,.0f}".replace(",", " ")
-
-
-def outcome_of(path: Path) -> dict:
-    return json.loads((path / "outcome.json").read_text())
-
-
-def per_fibre(folder: Path) -> list[list[str]]:
-    rows = [["sheet", "fibres", "bonds", "unknowns", "iterations", "processor time", "memory", "time for each fibre", "memory for each fibre"]]
-    points = []
-    for length in LARGE:
-        outcome = outcome_of(place_of_large(folder, length))
-        cost, summary = outcome["cost"], outcome["summary"]
-        fibres = summary["fibres"]["value"]
-        time, memory = 1e3 * cost["cpu_s"] / fibres, 1e3 * cost["peak_memory_mb"] / fibres
-        points.append((fibres, time, memory))
-        rows.append([
-            f"{length:g} mm x {length / 2:g} mm", grouped(fibres), grouped(summary["bonds"]["value"]), grouped(cost["work"]["unknowns"]),
-            str(cost["work"]["iterations"]), seconds(cost["cpu_s"]), f"{grouped(cost['peak_memory_mb'])} MB",
-            f"{digits(time)} ms", f"{digits(memory)} kB"])
-    plot = Plot("fibres", [
-        Series("processor time for each fibre [ms]", [(fibres, time) for fibres, time, _ in points]),
-        Series("memory for each fibre [kB]", [(fibres, memory) for fibres, _, memory in points])])
-    (PICTURES / "paper_large.svg").write_text(plot.svg())
-    return rows
-
-
-def to_the_peak(folder: Path) -> list[list[str]]:
-    rows = [["sheet", "fibres", "unknowns", "tensile index", "stretch", "broken bonds", "solutions", "iterations", "factors", "processor time", "memory"]]
-    for length in PULLED:
-        outcome = outcome_of(place_of_large(folder, length))
-        cost, value = outcome["cost"], {name: one["value"] for name, one in outcome["summary"].items()}
-        work = cost["work"]
-        rows.append([
-            f"{length:g} mm x {length / 2:g} mm", grouped(value["fibres"]), grouped(work["unknowns"]),
-            f"{value['tensile_index']:.3g} N m/g", f"{100 * value['stretch']:.2g} %", grouped(value["broken_bonds"]),
-            grouped(work["solutions"]), grouped(work["iterations"]), grouped(work["factorings"]),
-            seconds(cost["cpu_s"]), f"{grouped(cost['peak_memory_mb'])} MB"])
-    return rows
-
-
-# ── breaking together ───────────────────────────────────────────────────────────────────────────────
-
-PRECISIONS = [0.02, 0.05, 0.1, 0.2]
-# Lengths of sheets half as wide [mm], each with its seeds.
-TOGETHER = {0.7: (1, 2, 3), 1.0: (1, 2, 3), 1.5: (1, 2)}
-RESULTS = {"max_force": "strength", "stretch": "stretch", "energy_absorption": "energy absorption"}
-
-
-def together(length: float, seed: int, precision: float) -> dict:
-    """Softwood at 30 g/m², bonds at nodes: small enough for breaks one by one."""
-    body = large(length)
-    spec = body["spec"]
-    spec["seed"] = seed
-    spec["specimen"]["sheet"]["grammage_g_per_m2"] = 30
-    spec["accuracy"] = {"segment_widths": 2, "break_precision": precision}
-    spec["test"] = {"max_strain": 0.2}
-    return body
-
-
-def sheets_together() -> list[tuple[float, int]]:
-    return [(length, seed) for length, seeds in TOGETHER.items() for seed in seeds]
-
-
-def place_together(folder: Path, length: float, seed: int, precision: float) -> Path:
-    return folder / f"{round(1e3 * length)}_um_{seed}_{precision}"
-
-
-def measure_together(folder: Path) -> dict:
-    for length, seed in sheets_together():
-        for precision in [0, *PRECISIONS]:
-            outcome = run(together(length, seed, precision), place_together(folder, length, seed, precision))
-    return {"commit": outcome["provenance"]["engine_commit"]}
-
-
-def errors_together(folder: Path) -> list[list[str]]:
-    """Results over those of breaks one by one, less one: mean ± deviation, extremes, and the root of the mean square."""
-    rows = [["`break_precision`", *(f"{words}: mean, least to most, root mean square" for words in RESULTS.values())]]
-    for precision in PRECISIONS:
-        cells, off = [], {name: [] for name in RESULTS}
-        for length, seed in sheets_together():
-            exact, found = (outcome_of(place_together(folder, length, seed, one)) for one in (0, precision))
-            for name in RESULTS:
-                off[name].append(found["summary"][name]["value"] / exact["summary"][name]["value"] - 1)
-        for name in RESULTS:
-            shares = [100 * share for share in off[name]]
-            root = math.sqrt(statistics.mean(share * share for share in shares))
-            cells.append(f"{statistics.mean(shares):+.1f} ({min(shares):+.1f} to {max(shares):+.1f}), {root:.1f} %".replace("-", "−"))
-        rows.append([f"{precision:g}", *cells])
-    return rows
-
-
 # ── masses in motion ────────────────────────────────────────────────────────────────────────────────
 
 # Strains a second.
@@ -647,8 +505,5 @@ TABLES = {
     "paper_trends": Table("2 min of processor time", measure_trends, trends),
     "paper_levels": Table("10 s of processor time", measure_levels, levels),
     "paper_tubes": Table("1 min of processor time", measure_tubes, tubes),
-    "paper_large": Table("10 min of processor time, 3 GB", measure_large, per_fibre),
-    "paper_large_pulled": Table("5 min of processor time", measure_pulled, to_the_peak),
-    "paper_together": Table("10 min of processor time", measure_together, errors_together),
     "paper_frames": Table("5 s of processor time; needs numpy", measure_frames, frames),
 }

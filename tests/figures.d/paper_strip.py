@@ -5,7 +5,8 @@ from pathlib import Path
 from statistics import NormalDist
 
 from measuring import run
-from paper import grouped, outcome_of, softwood
+from paper import softwood
+from paper_large import grouped, outcome_of
 from words import Table, seconds
 
 # ISO 1924-2: width and distance of the jaws [mm].

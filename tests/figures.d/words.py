@@ -15,6 +15,8 @@ class Table(NamedTuple):
     measure: Callable[[Path], dict]
     # Reads that folder; the first row is the head.
     rows: Callable[[Path], list[list[str]]]
+    # Takes logs of runs made elsewhere into that folder, where a table is made of logs.
+    told: Callable[[Path, list[Path]], None] | None = None
 
 
 def digits(value: float) -> str:

@@ -1,6 +1,7 @@
 //! How much a sheet will be, before it is made.
 use std::f64::consts::PI;
 
+use super::equilibrium::{DIRECT, FACTORED_TRUSS, LEAST_TAUT, has_rigid_groups};
 use super::{BondsAt, ExplicitSheet, Level, MadeSheet, PaperTensile, Placement, Pulp, Specimen};
 use crate::fibre::{OnInadmissible, Window, line_length_um};
 
@@ -11,12 +12,6 @@ const COLUMNS: f64 = 6.0 * 35.0;
 
 /// Nodes of a fibre between closed jaws, laid in quarters of a width.
 const NODES_OF_A_PIECE: f64 = 6.0;
-/// Unknowns from which on the engine iterates.
-const DIRECT: f64 = 1e6;
-/// Unknowns of a truss up to which iterations have a factor of it, unless its bars are taut by this strain.
-const FACTORED_TRUSS: f64 = 1e5;
-const LEAST_TAUT: f64 = 1e-5;
-const LEAST_PRECISION: f64 = 5e-3;
 /// Entries of a factor of tubes: a bond joins the four rings around it, all points with all.
 const TUBE_ENTRIES: f64 = 7.3;
 /// Memory of tubes [B] for an unknown and for a bond, counted: five springs for a point, the blocks of a bond's points.
@@ -196,7 +191,7 @@ impl PaperTensile {
 pub(super) fn is_iterated(spec: &PaperTensile, unknowns: f64) -> bool {
     let knobs = spec.accuracy.knobs();
     let has_factor = spec.yields() || spec.level() == Level::Tube;
-    knobs.bonds_at == BondsAt::Inside || (unknowns > DIRECT && !has_factor)
+    knobs.bonds_at == BondsAt::Inside || (unknowns > DIRECT as f64 && !has_factor)
 }
 
 /// Entries of the factor of a flat network, fitted to ten from 1600 to 710 000 unknowns, with 27 to 384
@@ -210,35 +205,35 @@ pub(super) fn factor_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
 }
 
 /// Entries of the factor that iterations have. Of rigid groups, fitted to six sheets of beams from 47 000 to
-/// 1 300 000 unknowns: a bond inside segments joins more groups than one with nodes. Of a truss that is
+/// 1 300 000 unknowns, and to four trusses, whose groups are larger, from 28 000 to 655 000 with 10 to 53
+/// for each: a bond inside segments joins more groups than one with nodes. Of a truss that is
 /// small, of the truss itself, by one of 28 000 unknowns.
 pub(super) fn iterated_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
     if is_factored_truss(spec, unknowns) {
         return 10.6 * unknowns.powf(1.42);
     }
-    // groups of a taut truss are larger: trusses of 28 000 to 166 000 unknowns had 10 to 14 for each
-    if tautness(spec).is_some() {
-        return 0.6 * unknowns.powf(1.26);
-    }
     let share = match spec.accuracy.knobs().bonds_at {
-        BondsAt::Nodes => 0.17,
-        BondsAt::Inside => 0.44,
+        BondsAt::Nodes => 0.39,
+        BondsAt::Inside => 1.0,
     };
-    // groups of a truss have six motions, too
-    share * (unknowns * 6.0 / motions(spec)).powf(1.325)
+    let of_groups = match spec.level() {
+        Level::Truss => 0.2 * unknowns.powf(1.4),
+        Level::Beam | Level::Tube => 0.44 * unknowns.powf(1.325),
+    };
+    share * of_groups
 }
 
 /// Whether iterations have a factor of a truss itself.
 pub(super) fn is_factored_truss(spec: &PaperTensile, unknowns: f64) -> bool {
-    spec.level() == Level::Truss && tautness(spec).is_none() && unknowns <= FACTORED_TRUSS
+    spec.level() == Level::Truss && tautness(spec).is_none() && unknowns <= FACTORED_TRUSS as f64
 }
 
 /// Strain of the bars of a truss over that from which on they count as taut; none below, and where every break is told
 /// exactly.
 pub(super) fn tautness(spec: &PaperTensile) -> Option<f64> {
     let strain = spec.model.taut_strain?;
-    let is_taut = strain >= LEAST_TAUT && spec.accuracy.knobs().break_precision >= LEAST_PRECISION;
-    (spec.level() == Level::Truss && is_taut).then_some(strain / LEAST_TAUT)
+    let is_grouped = has_rigid_groups(strain, spec.accuracy.knobs().break_precision);
+    (spec.level() == Level::Truss && is_grouped).then_some(strain / LEAST_TAUT)
 }
 
 /// Whether iterations are in single precision.

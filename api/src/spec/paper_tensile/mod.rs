@@ -12,6 +12,7 @@
 mod accuracy;
 mod bond;
 mod checks;
+pub mod equilibrium;
 mod estimate;
 mod expected;
 mod job_kind;

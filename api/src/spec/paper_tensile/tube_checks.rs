@@ -20,7 +20,7 @@ pub(super) fn check(spec: &PaperTensile, violations: &mut Violations) {
         violations.push(
             Violation::new("/test/type", "not_of_tubes", detail)
                 .value("zero_span")
-                .allowed("tensile, or left out"),
+                .allowed("tensile, or left out; or model.level beam or truss"),
         );
     }
     if spec.accuracy.knobs().bonds_at == BondsAt::Inside {
@@ -31,11 +31,15 @@ pub(super) fn check(spec: &PaperTensile, violations: &mut Violations) {
                 .allowed("nodes, or left out"),
         );
     }
-    if let Some(index) = spec.pulp.iter().position(|pulp| pulp.yielding.is_some()) {
+    for (index, pulp) in spec.pulp.iter().enumerate() {
+        let Some(yielding) = pulp.yielding else {
+            continue;
+        };
         let detail = "tubes are elastic until they break; take beams for fibres that yield";
         violations.push(
             Violation::new(format!("/pulp/{index}/yielding"), "not_of_tubes", detail)
-                .allowed("left out"),
+                .value(serde_json::to_value(yielding).unwrap_or_default())
+                .allowed("left out, or model.level beam or truss"),
         );
     }
     if violations.count() > before {

@@ -5,9 +5,10 @@
 //! 60 [g/m²], `segment` 100 [µm], `level` beam or truss, `taut` 1e-9 (the strain of bars), `bonds` inside or nodes, `solver` cost, direct or
 //! iterative, `precision` 0.05, `threads` 1, `seed` 1, `to` rest (the first equilibrium), peak (a tenth below
 //! it, told every twentieth solution), end (a force of 0.3 of it) or a number of solutions. Times are those of the
-//! processor [s].
+//! processor [s]. `tests/figures` reads what this prints.
 #![allow(clippy::print_stdout, reason = "this prints tables")]
 use std::error::Error;
+use std::fmt;
 use std::sync::Arc;
 
 use loadframe_numerics::Team;
@@ -99,10 +100,42 @@ struct Asked {
     to: String,
 }
 
+impl fmt::Display for Asked {
+    /// All keys of a row with their values.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let level = match self.level {
+            Level::Truss => "truss",
+            Level::Beam | Level::Tube => "beam",
+        };
+        let bonds = match self.attachment {
+            Attachment::Inside => "inside",
+            Attachment::Node => "nodes",
+        };
+        let solver = match self.solver {
+            Solver::ByCost => "cost",
+            Solver::Direct(_) => "direct",
+            Solver::Iterative => "iterative",
+        };
+        write!(
+            f,
+            "grammage={} segment={} level={level} taut={:e} bonds={bonds} solver={solver} precision={} threads={} seed={} to={}",
+            self.grammage,
+            self.segment_um,
+            self.taut,
+            self.precision,
+            self.team.threads(),
+            self.seed,
+            self.to
+        )
+    }
+}
+
 const HEAD: &str = "fibres   bonds  unknowns    lay  contacts   rest  iterations  ms/fibre    stored  kB/fibre  residual  stiffness_mN  solutions  iterations  ms/fibre";
 
 /// Lays a sheet and pulls it; prints its row.
 fn row(asked: &Asked, size_um: [f64; 2]) -> Result<(), Box<dyn Error>> {
+    let [length, width] = size_um.map(|size| 1e-3 * size);
+    println!("length={length} width={width} {asked}\n{HEAD}");
     let softwood = Softwood {
         grammage_g_per_m2: asked.grammage,
         coarseness_mg_per_m: 0.15,
@@ -239,7 +272,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         seed: number("seed", "1")? as u64,
         to: text("to", "rest"),
     };
-    println!("{HEAD}");
     for length in text("length", "2").split(',') {
         let length: f64 = length.parse()?;
         let width = text("width", "").parse().unwrap_or(0.5 * length);

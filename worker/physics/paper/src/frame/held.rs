@@ -1,6 +1,7 @@
 //! A network at rest by either road: a factor of all of it, or iterations.
 use std::sync::Arc;
 
+use loadframe_api::spec::paper_tensile::equilibrium::{DIRECT, has_rigid_groups};
 use loadframe_numerics::Team;
 
 use super::balance::{Forces, Motion};
@@ -16,11 +17,6 @@ use super::state::PullCost;
 use super::survey::{Critical, breaks_at};
 use super::together::together;
 use super::tubes::PointSprings;
-
-/// Unknowns up to which a factor is made where bonds have nodes. It holds some 100 numbers for each, and as
-/// many are read for every break: fewer than some 20 iterations read, which start at every break from
-/// a motion that is nearly right.
-const DIRECT: usize = 1_000_000;
 
 /// Errors of what breaks next are at most this share of the precision with which it is asked.
 const OF_PRECISION: f64 = 0.1;
@@ -114,6 +110,7 @@ impl<'n> Held<'n> {
         }
         let start = Start {
             tolerance: (OF_PRECISION * break_precision).max(ONE_BY_ONE),
+            is_grouped: has_rigid_groups(network.taut_strain(), break_precision),
             motion,
         };
         let team = Arc::clone(&means.team);

@@ -38,10 +38,6 @@ const FLOOR: f64 = 1e-10;
 /// How much less of an error is asked for where forces are not in balance yet, and beyond what indices lack.
 const SHARPER: f64 = 0.1;
 const INDEX_SHARPER: f64 = 0.5;
-/// Strain from which on the bars of a truss are taut enough for rigid groups, and the tolerance: exact rests ask for
-/// thousands of iterations with them.
-const LEAST_TAUT: f64 = 1e-5;
-const LEAST_TOLERANCE: f64 = 5e-4;
 /// Solutions for one rest before giving up: each knows better what is wanted.
 const ROUNDS: usize = 12;
 
@@ -50,6 +46,8 @@ const ROUNDS: usize = 12;
 pub(crate) struct Start<'a> {
     /// Largest error of the failure index of what breaks next, over itself.
     pub(crate) tolerance: f64,
+    /// Whether a truss has rigid groups however small it is.
+    pub(crate) is_grouped: bool,
     /// The motion that is the solution already; empty: none is known.
     pub(crate) motion: &'a [f64],
 }
@@ -99,8 +97,6 @@ impl<'n> Relaxation<'n> {
             is_whole[element as usize] = false;
         }
         let (activity, _) = stand(network, clusters, &is_whole);
-        let is_taut = network.taut_strain() >= LEAST_TAUT;
-        let is_grouped = is_taut && start.tolerance >= LEAST_TOLERANCE;
         let system: Box<dyn System + 'n> = match network.model().level {
             // without nodes at bonds no segment is so short beside others that single precision loses it
             Level::Beam if !network.hanging().is_empty() => Box::new(Equations::<f32, 6>::new(
@@ -108,21 +104,21 @@ impl<'n> Relaxation<'n> {
                 team,
                 &is_whole,
                 &activity,
-                (loads, is_grouped),
+                (loads, start.is_grouped),
             )?),
             Level::Beam | Level::Tube => Box::new(Equations::<f64, 6>::new(
                 network,
                 team,
                 &is_whole,
                 &activity,
-                (loads, is_grouped),
+                (loads, start.is_grouped),
             )?),
             Level::Truss => Box::new(Equations::<f64, 3>::new(
                 network,
                 team,
                 &is_whole,
                 &activity,
-                (loads, is_grouped),
+                (loads, start.is_grouped),
             )?),
         };
         let mut relaxation = Self {

@@ -1,6 +1,7 @@
 //! Bars that are taut, and what that holds.
 use std::sync::Arc;
 
+use loadframe_api::spec::paper_tensile::equilibrium::{LEAST_PRECISION, LEAST_TAUT};
 use loadframe_numerics::Team;
 
 use super::sheets::{SMALL, Scatter};
@@ -92,7 +93,8 @@ fn pulled(strain: f64, break_precision: f64, rounds: usize) -> (Vec<Broken>, f64
 #[test]
 fn groups_find_what_a_factor_of_all_does() {
     // a hair below the strain from which on groups serve there is a factor of all
-    let [grouped, factored] = [1e-5, 0.999_999e-5].map(|strain| pulled(strain, 0.05, 2));
+    let [grouped, factored] =
+        [LEAST_TAUT, 0.999_999 * LEAST_TAUT].map(|strain| pulled(strain, 0.05, 2));
     assert!(grouped.2.stored < factored.2.stored / 4, "another road");
     assert_eq!(grouped.0, factored.0);
     // indices are known to half a per cent
@@ -101,8 +103,11 @@ fn groups_find_what_a_factor_of_all_does() {
 
 #[test]
 fn rests_that_must_be_exact_have_a_factor_of_all_however_taut_bars_are() {
-    let [exact, near] = [0.0, 0.05].map(|precision| pulled(1e-4, precision, 1));
-    assert!(exact.2.stored > 4 * near.2.stored);
+    let least = LEAST_PRECISION;
+    let of = |precision| pulled(1e-4, precision, 1).2.stored;
+    let [exact, finer, near] = [0.0, 0.999_999 * least, least].map(of);
+    assert_eq!(exact, finer);
+    assert!(exact > 4 * near);
 }
 
 #[test]

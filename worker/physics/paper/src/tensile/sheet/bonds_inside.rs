@@ -15,6 +15,7 @@ use crate::frame::Network;
 const CROWDING: [f64; 4] = [0.0, 0.64, 1.17, 2.13];
 /// Stiffness above that with bonds at nodes on the same straight parts, over the latter: one sheet of
 /// 1 mm x 0.5 mm at 60 g/m² with parts of 28, 56 and 112 µm (guide, "Large sheets").
+/// `tests/figures paper_bonds_inside` measures it again, by free nodes.
 const TOO_STIFF: [f64; 4] = [0.0, 0.08, 0.17, 0.30];
 
 /// The part of the error of a stiffness that bonds inside straight parts make; none outside of what was
