@@ -9,6 +9,8 @@
 //!
 //! A command that panics, or a connection that fails, costs the transaction: the connection is opened anew,
 //! as often as it takes, and the task goes on.
+//!
+//! One file, long as it is: what stays, what is told and what is answered are only right in the task's order.
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
