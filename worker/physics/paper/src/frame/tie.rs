@@ -27,7 +27,7 @@ pub(crate) struct Tie<T = f64> {
     /// Direction of the segment.
     along: Vector3<T>,
     /// Weight of the first node along the segment; that of the second is what is missing to 1.
-    linear: T,
+    pub(crate) linear: T,
     /// How much more than that it weighs across.
     bulge: T,
     /// Displacement across by rotations of the nodes [µm].
@@ -124,6 +124,20 @@ impl Tie {
 }
 
 impl<T: RealField + Copy> Tie<T> {
+    /// A point of a bar, which moves by one weight and does not turn.
+    pub(crate) fn by_weight(nodes: [u32; 2], linear: T) -> Self {
+        let zero = T::zero;
+        Self {
+            nodes,
+            along: Vector3::zeros(),
+            linear,
+            bulge: zero(),
+            lift: [zero(); 2],
+            slope: zero(),
+            turn: [zero(); 2],
+        }
+    }
+
     /// Displacement and rotation of the point, by those of its nodes.
     #[inline]
     pub(crate) fn motion(&self, ends: &[Vector3<T>; 4]) -> [Vector3<T>; 2] {

@@ -7,9 +7,9 @@
 //!
 //! Small trusses have groups of one node, whose displacements are all that there is, so that the factor is
 //! that of the truss: bars are hinged everywhere, and rigid pieces know nothing of how they fold. How large groups are
-//! changes nothing of that (1055 iterations with 64 nodes, 968 with 32, 635 with 8, with many more entries), and neither
-//! does it help to let every node free across the sheet, where bars fold most easily (417, with seven times the
-//! entries). What helps is that bars are taut: by 1e-5 it is 566 with 1024 nodes, by 1e-4 323.
+//! changes little of that, and neither does it help to let every node free across the sheet, where bars fold most
+//! easily. What helps is that bars are taut: a sheet of 166 000 unknowns takes 2473 iterations with 1e-9, and 375 with
+//! 1e-4.
 use std::ops::Range;
 
 use loadframe_api::spec::paper_tensile::equilibrium::FACTORED_TRUSS;
@@ -20,16 +20,17 @@ use super::super::element::{Ends, Matrix12, PARTS};
 use super::super::error::FrameError;
 use super::super::factor::Factor;
 use super::groups::{Groups, Link, NONE};
-use super::operator::{Operator, parts, slices};
+use super::operator::{Operator, slices};
+use super::points::parts;
 use super::scalar::Scalar;
 
-/// Most nodes of a group; they have somewhat less than half on average. Iterations grow with the root of it,
-/// the factor shrinks faster: at 64 it takes a third of the time of an iteration of a square centimetre.
+/// Most nodes of a group but for what is [left over](Groups). A sheet of beams of 55 000 nodes takes 92 iterations with
+/// 64 and 76 with 32, which have three times the numbers in their factor: as long.
 const NODES: u32 = 64;
-/// The same of trusses, whose iterations hardly know how large groups are: loose ones of 28 000 and 61 000 unknowns
-/// took 1262 and 1282 to their first equilibrium, 1055 and 1100 with groups of 64; to the 30th and 8th break they
-/// took 0.99 and 0.89 of the time that these take, with 0.4 and 0.6 of the entries.
-const NODES_OF_TRUSS: u32 = 1024;
+/// The same of trusses, whose iterations hardly know how large groups are: taut ones of 655 000 unknowns took 362 to
+/// their first equilibrium with 64, 389 with 128, 420 with 256, 511 with 1024; 15.0, 5.0, 1.8, and 0.2 million numbers
+/// are in the factor then.
+const NODES_OF_TRUSS: u32 = 256;
 /// What raises the diagonal, as a share of it: motions that nothing resists.
 const RAISED: f64 = 1e-9;
 /// The same where each node is a group: far below what keeps loose bars in place.

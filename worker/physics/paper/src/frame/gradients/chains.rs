@@ -140,10 +140,10 @@ fn factor<const M: usize>(
             }
         }
     }
-    for point in &operator.points()[operator.places(fibre)] {
-        let [force, moment] = point.stiffness;
+    for at in operator.places(fibre) {
+        let [force, moment] = operator.points().stiffness(at);
         if force > 0.0 {
-            let tie = &point.tie;
+            let tie = operator.points().tie(at);
             let at = tie.nodes.map(|node| (node - first) as usize);
             for axis in 0..3 {
                 let mut unit = Vector3::zeros();

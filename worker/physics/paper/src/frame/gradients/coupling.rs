@@ -6,67 +6,59 @@
 use std::ops::Range;
 
 use loadframe_numerics::Team;
-use nalgebra::Vector3;
 
-use super::super::tie::Tie;
-use super::operator::{Operator, add_spread, ends_of, slices};
+use super::operator::{Operator, slices};
+use super::points::Points;
 use super::scalar::Scalar;
-
-/// A point of a bond, with the stiffness of this.
-#[derive(Debug, Clone, Copy)]
-struct Point<T> {
-    tie: Tie<T>,
-    other: u32,
-    stiffness: [T; 2],
-}
 
 /// C, in the numbers of the preconditioner.
 #[derive(Debug)]
-pub(super) struct Coupling<T> {
-    points: Vec<Point<T>>,
-    moved: Vec<[Vector3<T>; 2]>,
+pub(super) struct Coupling<T, const M: usize> {
+    points: Points<T, M>,
 }
 
-impl<T: Scalar> Coupling<T> {
-    pub(super) fn new<const M: usize>(operator: &Operator<'_, M>) -> Self {
-        let points: Vec<Point<T>> = operator.points().iter().map(rounded).collect();
-        let moved = vec![[Vector3::zeros(); 2]; points.len()];
-        Self { points, moved }
+impl<T: Scalar, const M: usize> Coupling<T, M> {
+    pub(super) fn new(operator: &Operator<'_, M>) -> Self {
+        let points = operator.points();
+        let ties = (0..points.len()).map(|at| (points.tie(at).rounded(T::of), points.other(at)));
+        let mut coupling = Self {
+            points: Points::new(ties),
+        };
+        for at in 0..points.len() {
+            coupling.copy(operator, at);
+        }
+        coupling
     }
 
     /// Takes over what changed of the points on a fibre.
-    pub(super) fn copy_again<const M: usize>(&mut self, operator: &Operator<'_, M>, fibre: usize) {
+    pub(super) fn copy_again(&mut self, operator: &Operator<'_, M>, fibre: usize) {
         for at in operator.places(fibre) {
-            self.points[at] = rounded(&operator.points()[at]);
+            self.copy(operator, at);
         }
     }
 
+    fn copy(&mut self, operator: &Operator<'_, M>, at: usize) {
+        let points = operator.points();
+        self.points.set_tie(at, points.tie(at).rounded(T::of));
+        let stiffness = points.stiffness(at).map(T::of);
+        self.points.set_stiffness(at, stiffness);
+    }
+
     /// Adds C z at nodes that are free.
-    pub(super) fn add<const M: usize>(
+    pub(super) fn add(
         &mut self,
         operator: &Operator<'_, M>,
         team: &Team,
         motion: &[[T; M]],
         to: &mut [[T; M]],
     ) {
-        let points = &self.points;
-        team.fill(&mut self.moved, |start, moved| {
-            for (point, moved) in points[start..].iter().zip(moved) {
-                *moved = point.tie.motion(&ends_of(motion, point.tie.nodes));
-            }
-            0.0
-        });
-        let (network, moved) = (operator.network, &self.moved);
+        self.points.follow(team, motion);
+        let (network, points) = (operator.network, &self.points);
         let work = |(fibres, own): (Range<usize>, &mut [[T; M]])| {
             let start = network.nodes_of(fibres.start).start;
-            for fibre in fibres {
-                for point in &points[operator.places(fibre)] {
-                    let [force, moment] = point.stiffness;
-                    if force > T::zero() {
-                        let [shift, turn] = moved[point.other as usize];
-                        let loads = [shift * force, turn * moment];
-                        add_spread(own, start as u32, &point.tie, loads);
-                    }
+            for at in operator.places_of(fibres) {
+                if let Some(load) = points.pulled(at) {
+                    points.add(at, &load, own, start as u32);
                 }
             }
             for (own, is_free) in own.iter_mut().zip(&operator.is_free[start..]) {
@@ -76,13 +68,5 @@ impl<T: Scalar> Coupling<T> {
             }
         };
         team.map(slices(network, operator.pieces(), to), work);
-    }
-}
-
-fn rounded<T: Scalar>(point: &super::operator::Point) -> Point<T> {
-    Point {
-        tie: point.tie.rounded(T::of),
-        other: point.other,
-        stiffness: point.stiffness.map(T::of),
     }
 }

@@ -30,7 +30,7 @@ const SHARE: f64 = 0.9;
 #[derive(Debug)]
 pub(super) struct Cycle<T, const M: usize> {
     chains: Chains<T, M>,
-    coupling: Coupling<T>,
+    coupling: Coupling<T, M>,
     bodies: Bodies,
     /// z₁, y, and s.
     moved: Vec<[T; M]>,

@@ -18,6 +18,7 @@ mod coupling;
 mod cycle;
 mod groups;
 mod operator;
+mod points;
 mod rest;
 mod scalar;
 mod system;

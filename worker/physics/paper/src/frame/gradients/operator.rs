@@ -1,15 +1,16 @@
 //! The stiffness of what is active, applied to a motion of the nodes of fibres.
 //!
 //! First the motion of every bond's two points, then every fibre: its segments, and what its bonds do to it.
-//! Points are in the order of fibres, so that what is read is read in a row, but for the motion of the
-//! other point of a bond. Each fibre writes only to its own nodes, in a fixed order.
+//! Each fibre writes only to its own nodes, in a fixed order.
 use std::ops::Range;
 
 use loadframe_numerics::Team;
-use nalgebra::{RealField, Vector3};
+use nalgebra::Vector3;
 
+use super::super::element::Element;
 use super::super::network::Network;
 use super::super::tie::Tie;
+use super::points::{OF_BARS, Points, add, ends_of, parts};
 
 /// Nodes of fibres that are one piece of work: some 0.1 ms.
 const NODES_OF_PIECE: usize = 1024;
@@ -29,109 +30,46 @@ pub(super) struct Operator<'n, const M: usize> {
     /// The points of bonds, fibre by fibre and along each: those of a fibre are
     /// `first_point[fibre]..first_point[fibre + 1]`.
     first_point: Vec<u32>,
-    points: Vec<Point>,
+    points: Points<f64, M>,
+    /// Number of each point among those of the network.
+    numbers: Vec<u32>,
     /// The two points of each bond.
     ends: Vec<[u32; 2]>,
     /// Fibres that are one piece of work.
     pieces: Vec<Range<usize>>,
-    /// Displacement and rotation of the points.
-    moved: Vec<[Vector3<f64>; 2]>,
+    /// Segments of bars; those of beams are read from the network.
+    bars: Vec<Bar>,
 }
 
-/// One of the two points of a bond.
+/// A segment of a bar: what it resists along itself and, taut, across [mN/µm].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point {
-    pub(super) tie: Tie,
-    /// The other point of the bond.
-    pub(super) other: u32,
-    /// Number of the point among those of the network.
-    number: u32,
-    /// Stiffness of the bond against displacement and rotation, the same in all directions; 0 when it is not
-    /// active.
-    pub(super) stiffness: [f64; 2],
-}
-
-/// Motion of two nodes.
-#[inline]
-pub(super) fn ends_of<T: RealField + Copy, const M: usize>(
-    motion: &[[T; M]],
-    nodes: [u32; 2],
-) -> [Vector3<T>; 4] {
-    let [first, second] = nodes.map(|node| parts(&motion[node as usize]));
-    [first[0], first[1], second[0], second[1]]
-}
-
-/// Displacement and rotation of a node.
-#[inline]
-pub(super) fn parts<T: RealField + Copy, const M: usize>(motion: &[T; M]) -> [Vector3<T>; 2] {
-    let mut parts = [Vector3::zeros(); 2];
-    for (index, value) in motion.iter().enumerate() {
-        parts[index / 3][index % 3] = *value;
-    }
-    parts
-}
-
-/// Adds a force and a moment on a node.
-#[inline]
-pub(super) fn add<T: RealField + Copy, const M: usize>(
-    to: &mut [T; M],
-    force: Vector3<T>,
-    moment: Vector3<T>,
-) {
-    for (index, value) in to.iter_mut().enumerate() {
-        *value += if index < 3 {
-            force[index]
-        } else {
-            moment[index - 3]
-        };
-    }
-}
-
-/// Adds a force and a moment on a point to the nodes of its fibre, whose first is `first`.
-#[inline]
-pub(super) fn add_spread<T: RealField + Copy, const M: usize>(
-    own: &mut [[T; M]],
-    first: u32,
-    tie: &Tie<T>,
-    loads: [Vector3<T>; 2],
-) {
-    let forces = tie.spread(loads);
-    let [at, next] = tie.nodes.map(|node| (node - first) as usize);
-    add(&mut own[at], forces[0], forces[1]);
-    if next != at {
-        add(&mut own[next], forces[2], forces[3]);
-    }
+struct Bar {
+    along: Vector3<f64>,
+    axial: f64,
+    across: f64,
 }
 
 impl<'n, const M: usize> Operator<'n, M> {
     pub(super) fn new(network: &'n Network, is_whole: &[bool]) -> Self {
         let segments = network.segments();
-        let mut points: Vec<(usize, Point)> = Vec::with_capacity(2 * network.bonds());
-        for element in &network.elements()[segments..] {
-            for number in element.nodes {
-                let tie = tie(network, is_whole, number);
-                let point = Point {
-                    tie,
-                    other: 0,
-                    number,
-                    stiffness: [0.0; 2],
-                };
-                points.push((points.len(), point));
-            }
-        }
+        let ends = network.elements()[segments..].iter();
+        let numbers: Vec<u32> = ends.flat_map(|element| element.nodes).collect();
+        let ties: Vec<Tie> = numbers
+            .iter()
+            .map(|&number| tie(network, is_whole, number))
+            .collect();
         // nodes are numbered fibre by fibre, so that those of a fibre follow one another
-        points.sort_by_key(|(place, point)| (point.tie.nodes[0], *place));
+        let mut order: Vec<usize> = (0..ties.len()).collect();
+        order.sort_by_key(|&place| (ties[place].nodes[0], place));
         let mut ends = vec![[0; 2]; network.bonds()];
-        for (at, (place, _)) in points.iter().enumerate() {
+        for (at, &place) in order.iter().enumerate() {
             ends[place / 2][place % 2] = at as u32;
         }
-        let points: Vec<Point> = points
-            .into_iter()
-            .map(|(place, point)| Point {
-                other: ends[place / 2][1 - place % 2],
-                ..point
-            })
-            .collect();
+        let points = order
+            .iter()
+            .map(|&place| (ties[place], ends[place / 2][1 - place % 2]));
+        let points = Points::new(points);
+        let numbers = order.iter().map(|&place| numbers[place]).collect();
         let first_point = (0..=network.fibres())
             .map(|fibre| {
                 let node = if fibre < network.fibres() {
@@ -139,7 +77,7 @@ impl<'n, const M: usize> Operator<'n, M> {
                 } else {
                     network.fibre_nodes()
                 };
-                points.partition_point(|point| (point.tie.nodes[0] as usize) < node) as u32
+                order.partition_point(|&place| (ties[place].nodes[0] as usize) < node) as u32
             })
             .collect();
         Self {
@@ -147,9 +85,14 @@ impl<'n, const M: usize> Operator<'n, M> {
             is_free: vec![false; network.fibre_nodes()],
             is_active: vec![false; network.elements().len()],
             is_grouped: false,
-            moved: vec![[Vector3::zeros(); 2]; points.len()],
+            bars: if M == OF_BARS {
+                bars(network)
+            } else {
+                Vec::new()
+            },
             first_point,
             points,
+            numbers,
             ends,
             pieces: pieces(network),
         }
@@ -160,14 +103,19 @@ impl<'n, const M: usize> Operator<'n, M> {
         self.first_point[fibre] as usize..self.first_point[fibre + 1] as usize
     }
 
+    /// The same of fibres that follow one another.
+    pub(super) fn places_of(&self, fibres: Range<usize>) -> Range<usize> {
+        self.first_point[fibres.start] as usize..self.first_point[fibres.end] as usize
+    }
+
     /// All points of bonds, those of a fibre after one another.
-    pub(super) fn points(&self) -> &[Point] {
+    pub(super) fn points(&self) -> &Points<f64, M> {
         &self.points
     }
 
     /// How the two points of a bond move with their nodes.
     pub(super) fn ties(&self, bond: usize) -> [Tie; 2] {
-        self.ends[bond].map(|at| self.points[at as usize].tie)
+        self.ends[bond].map(|at| self.points.tie(at as usize))
     }
 
     pub(super) fn pieces(&self) -> &[Range<usize>] {
@@ -179,12 +127,13 @@ impl<'n, const M: usize> Operator<'n, M> {
         self.is_active[element] = is_active;
         if let Some(bond) = element.checked_sub(self.network.segments()) {
             let stiffness = self.network.elements()[element].stiffness;
+            let stiffness = if is_active {
+                [stiffness[0], stiffness[3]]
+            } else {
+                [0.0; 2]
+            };
             for at in self.ends[bond] {
-                self.points[at as usize].stiffness = if is_active {
-                    [stiffness[0], stiffness[3]]
-                } else {
-                    [0.0; 2]
-                };
+                self.points.set_stiffness(at as usize, stiffness);
             }
         }
     }
@@ -192,8 +141,8 @@ impl<'n, const M: usize> Operator<'n, M> {
     /// Ties the points of bonds on a fibre anew, by what is whole of it.
     pub(super) fn tie_again(&mut self, fibre: usize, is_whole: &[bool]) {
         for at in self.places(fibre) {
-            let point = &mut self.points[at];
-            point.tie = tie(self.network, is_whole, point.number);
+            let tie = tie(self.network, is_whole, self.numbers[at]);
+            self.points.set_tie(at, tie);
         }
     }
 
@@ -233,13 +182,7 @@ impl<'n, const M: usize> Operator<'n, M> {
         forces: &mut [[f64; M]],
         finish: impl Fn(usize, &mut [f64; M]) -> f64 + Sync,
     ) -> f64 {
-        let points = &self.points;
-        team.fill(&mut self.moved, |start, moved| {
-            for (point, moved) in points[start..].iter().zip(moved) {
-                *moved = point.tie.motion(&ends_of(motion, point.tie.nodes));
-            }
-            0.0
-        });
+        self.points.follow(team, motion);
         let this = &*self;
         let work = |(fibres, own): (Range<usize>, &mut [[f64; M]])| {
             let mut sum = 0.0;
@@ -268,23 +211,32 @@ impl<'n, const M: usize> Operator<'n, M> {
         let first = nodes.start as u32;
         // each fibre before has a segment less than nodes
         let segment = nodes.start - fibre;
-        for index in segment..segment + nodes.len() - 1 {
-            if self.is_active[index] {
+        for (at, index) in (segment..segment + nodes.len() - 1).enumerate() {
+            if !self.is_active[index] {
+                continue;
+            }
+            if M == OF_BARS {
+                let [from, to] = [0, 1].map(|end| parts(&motion[nodes.start + at + end])[0]);
+                let Bar {
+                    along,
+                    axial,
+                    across,
+                } = self.bars[index];
+                let apart = to - from;
+                let force = apart * across + along * ((axial - across) * along.dot(&apart));
+                add(&mut own[at], -force, Vector3::zeros());
+                add(&mut own[at + 1], force, Vector3::zeros());
+            } else {
                 let element = &self.network.elements()[index];
                 let deformation = element.deformation(&ends_of(motion, element.nodes));
                 let forces = element.forces(&element.loads(&deformation));
-                let at = (element.nodes[0] - first) as usize;
                 add(&mut own[at], forces[0], forces[1]);
                 add(&mut own[at + 1], forces[2], forces[3]);
             }
         }
         for at in self.places(fibre) {
-            let point = &self.points[at];
-            let [force, moment] = point.stiffness;
-            if force > 0.0 {
-                let [here, there] = [self.moved[at], self.moved[point.other as usize]];
-                let loads = [(here[0] - there[0]) * force, (here[1] - there[1]) * moment];
-                add_spread(own, first, &point.tie, loads);
+            if let Some(load) = self.points.held(at) {
+                self.points.add(at, &load, own, first);
             }
         }
     }
@@ -300,6 +252,16 @@ fn tie(network: &Network, is_whole: &[bool], point: u32) -> Tie {
         None => Tie::node(point),
         Some(index) => network.tie(&network.hanging()[index], is_whole),
     }
+}
+
+fn bars(network: &Network) -> Vec<Bar> {
+    let segments = &network.elements()[..network.segments()];
+    let bar = |element: &Element| Bar {
+        along: element.axes.row(0).transpose(),
+        axial: element.stiffness[0],
+        across: element.stiffness[1],
+    };
+    segments.iter().map(bar).collect()
 }
 
 /// Fibres in pieces of about as many nodes.

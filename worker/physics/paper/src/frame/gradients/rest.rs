@@ -19,6 +19,7 @@ use super::super::network::Network;
 use super::super::places::Jaw;
 use super::super::state::PullCost;
 use super::super::survey::{Critical, breaks_at, survey};
+use super::scalar::Scalar;
 use super::system::{Activity, Equations, System};
 
 /// Error in energy that is left at most, as a share of the motion's own: √(eᵀKe)/√(uᵀKu). The force of the jaws
@@ -97,29 +98,16 @@ impl<'n> Relaxation<'n> {
             is_whole[element as usize] = false;
         }
         let (activity, _) = stand(network, clusters, &is_whole);
-        let system: Box<dyn System + 'n> = match network.model().level {
-            // without nodes at bonds no segment is so short beside others that single precision loses it
-            Level::Beam if !network.hanging().is_empty() => Box::new(Equations::<f32, 6>::new(
-                network,
-                team,
-                &is_whole,
-                &activity,
-                (loads, start.is_grouped),
-            )?),
-            Level::Beam | Level::Tube => Box::new(Equations::<f64, 6>::new(
-                network,
-                team,
-                &is_whole,
-                &activity,
-                (loads, start.is_grouped),
-            )?),
-            Level::Truss => Box::new(Equations::<f64, 3>::new(
-                network,
-                team,
-                &is_whole,
-                &activity,
-                (loads, start.is_grouped),
-            )?),
+        let means = (team, start.is_grouped);
+        let given = (network, is_whole.as_slice(), &activity, loads);
+        // without nodes at bonds no segment is so short beside others that single precision loses it, nor does it lose
+        // what taut bars resist across
+        let is_even = !network.hanging().is_empty();
+        let system = match network.model().level {
+            Level::Beam if is_even => system::<f32, 6>(given, means)?,
+            Level::Beam | Level::Tube => system::<f64, 6>(given, means)?,
+            Level::Truss if is_even && start.is_grouped => system::<f32, 3>(given, means)?,
+            Level::Truss => system::<f64, 3>(given, means)?,
         };
         let mut relaxation = Self {
             network,
@@ -400,6 +388,15 @@ impl<'n> Relaxation<'n> {
         }
         worst
     }
+}
+
+fn system<'n, T: Scalar, const M: usize>(
+    (network, is_whole, activity, loads): (&'n Network, &[bool], &Activity, &[NodeLoad]),
+    (team, is_grouped): (Arc<Team>, bool),
+) -> Result<Box<dyn System + 'n>, FrameError> {
+    let loads = (loads, is_grouped);
+    let equations = Equations::<T, M>::new(network, team, is_whole, activity, loads)?;
+    Ok(Box::new(equations))
 }
 
 /// What takes part when only these elements are whole, and what every point is held by.

@@ -11,7 +11,8 @@ use super::super::error::FrameError;
 use super::super::input::NodeLoad;
 use super::super::network::Network;
 use super::cycle::Cycle;
-use super::operator::{Nodal, Operator, ends_of, parts};
+use super::operator::{Nodal, Operator};
+use super::points::{ends_of, flat, parts};
 use super::scalar::Scalar;
 
 /// Iterations before giving up. Some 100 are usual.
@@ -98,7 +99,7 @@ impl<'n, T: Scalar, const M: usize> Equations<'n, T, M> {
             team,
         };
         equations.spread(&mut points);
-        equations.loads = points[..nodes].iter().map(nodal).collect();
+        equations.loads = points[..nodes].iter().copied().map(flat).collect();
         Ok(equations)
     }
 }
@@ -119,10 +120,6 @@ impl<T: Scalar, const M: usize> Preconditioned<M> for Active<'_, '_, T, M> {
         self.cycle
             .solve(self.operator, self.team, residual, corrected)
     }
-}
-
-fn nodal<const M: usize>(motion: &[Vector3<f64>; 2]) -> [f64; M] {
-    std::array::from_fn(|index| motion[index / 3][index % 3])
 }
 
 impl<T: Scalar, const M: usize> System for Equations<'_, T, M> {
@@ -202,7 +199,7 @@ impl<T: Scalar, const M: usize> System for Equations<'_, T, M> {
     }
 
     fn set(&mut self, node: usize, motion: [Vector3<f64>; 2]) {
-        self.motion[node] = nodal(&motion);
+        self.motion[node] = flat(motion);
     }
 
     fn flat(&self) -> &[f64] {
