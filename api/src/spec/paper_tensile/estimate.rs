@@ -1,5 +1,6 @@
 //! What a test takes: of one fibre factors of a narrow band, of a sheet a factor and a solution for
 //! every break.
+use super::equilibrium;
 use super::expected::{
     factor_entries, is_factored_truss, is_iterated, is_single, iterated_entries, motions, tautness,
 };
@@ -24,9 +25,7 @@ const ENTRY_MB: f64 = 24e-6;
 /// A point with its springs in a picture [MB].
 const POINT_MB: f64 = 300e-6;
 /// Of sheets, fitted to ten from 1600 to 710 000 unknowns, of 10 to 120 g/m², 0.4 to 4 mm long, which took
-/// 0.02 to 73 s: half of the bonds break until the force has fallen to 0.3, or where a sheet is long those
-/// of a band in it, as wide as fibres are long.
-const BROKEN_SHARE: f64 = 0.5;
+/// 0.02 to 73 s: where a sheet is long what breaks is in a band, as wide as fibres are long.
 const BAND: f64 = 0.3;
 /// What these cost, in evaluations of one bond: an entry of the factor for every break, with its share in
 /// factors to come; a multiplication of a factor; and a point that is laid.
@@ -49,17 +48,6 @@ const BOND: f64 = 28.0;
 const ENTRY: f64 = 0.33;
 /// What is left of these in single precision, and of trusses, whose memory is half.
 const SINGLE: f64 = 0.38;
-/// Solutions at a precision of 0.1: with a power of what breaks, and another of the precision. Pulls of beams of
-/// 466, 1157 and 2434 fibres had 223, 170 and 304 with 1548 to 10 294 breaks, and 421 and 499 at 0.05. Damage of large
-/// sheets is everywhere before any part of them parts.
-const TOGETHER: f64 = 28.0;
-const OF_BREAKS: f64 = 0.25;
-const OF_PRECISION: f64 = 0.1;
-const POWER_OF_PRECISION: f64 = 1.2;
-/// The same of a truss, which parts with fewer breaks, 0.19 and 0.15 of the bonds of two small ones, and solutions:
-/// three of 1157 and 2434 fibres had 85 to 96.
-const BROKEN_SHARE_OF_TRUSS: f64 = 0.17;
-const TOGETHER_OF_TRUSS: f64 = 13.0;
 /// Where fibres yield there are so many yields for every break, each of which costs a break's solution and
 /// takes a look at all elements. Not measured yet.
 const YIELDS: f64 = 10.0;
@@ -153,10 +141,7 @@ fn of_sheet(
         || spec.bond.is_none_or(|bond| {
             bond.normal_strength_mpa.is_some() || bond.shear_strength_mpa.is_some()
         });
-    let broken_share = match spec.level() {
-        Level::Truss => BROKEN_SHARE_OF_TRUSS,
-        Level::Beam | Level::Tube => BROKEN_SHARE,
-    };
+    let broken_share = equilibrium::broken_share(spec.level());
     let share = match &spec.specimen {
         // breaks of large sheets are not those of one band
         Specimen::Sheet(_) if is_iterated(spec, unknowns) => broken_share,
@@ -229,13 +214,7 @@ fn of_sheet(
 /// Solutions in which so many parts break.
 fn solutions(spec: &PaperTensile, events: f64) -> f64 {
     let precision = spec.accuracy.knobs().break_precision;
-    let together = match spec.level() {
-        Level::Truss => TOGETHER_OF_TRUSS,
-        Level::Beam | Level::Tube => TOGETHER,
-    };
-    let coarser = (precision / OF_PRECISION).powf(-POWER_OF_PRECISION);
-    // one by one where there is no precision
-    (together * coarser * events.powf(OF_BREAKS)).min(events)
+    equilibrium::solutions(spec.level(), precision, events)
 }
 
 /// Of masses in motion: steps of time, each a look at all elements.

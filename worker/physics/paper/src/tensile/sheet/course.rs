@@ -3,7 +3,7 @@
 //! A machine drives the displacement: within an avalanche the force falls at one strain, between
 //! avalanches the curve is a straight line towards zero, for the rest of a network of small displacements
 //! is in proportion. So two points for each avalanche, before and after, are the whole curve.
-use loadframe_api::spec::paper_tensile::SHEET_CURVE;
+use loadframe_api::spec::paper_tensile::{Level, SHEET_CURVE, equilibrium};
 use serde::{Deserialize, Serialize};
 
 use super::specimen::Specimen;
@@ -15,9 +15,6 @@ use crate::frame::{
 const N: f64 = 1e-3;
 const N_MM: f64 = 1e-6;
 
-/// Share of the bonds that break until the force of a small sheet has fallen to 0.3: what a test takes
-/// goes by breaks. Where fewer do, the force tells.
-const BROKEN_SHARE: f64 = 0.5;
 /// A test that has broken so many and goes on is nearly done.
 const NEARLY: f64 = 0.95;
 
@@ -53,6 +50,7 @@ pub(super) struct Kept {
 /// A pull under way.
 pub(super) struct Course<'n> {
     specimen: &'n Specimen,
+    level: Level,
     pub(super) pull: Box<dyn Pulling + 'n>,
     test: PullTest,
     means: Means,
@@ -65,7 +63,7 @@ impl<'n> Course<'n> {
     /// # Errors
     /// [`FrameError`].
     pub(super) fn new(
-        specimen: &'n Specimen,
+        (specimen, level): (&'n Specimen, Level),
         test: PullTest,
         means: Means,
         kept: Option<Kept>,
@@ -75,6 +73,7 @@ impl<'n> Course<'n> {
         let pull = pull(&specimen.network, test, kept.pull.clone(), &means)?;
         let mut course = Self {
             specimen,
+            level,
             pull,
             test,
             means,
@@ -204,8 +203,19 @@ impl<'n> Course<'n> {
         let peak = self.pull.state().measures.peak_force_mn;
         let force = self.pull.jaw_force_mn()[1];
         let by_strain = strain / self.test.max_strain;
+        let network = &self.specimen.network;
+        let taken = |breaks: f64| {
+            if self.pull.cost().iterations > 0 {
+                // many of them together, few at first
+                equilibrium::solutions(self.level, self.test.break_precision, breaks)
+            } else {
+                breaks
+            }
+        };
+        // what a test takes goes by breaks; where fewer break than usual the force tells
         let broken = self.kept.records.len() as f64;
-        let by_breaks = broken / (BROKEN_SHARE * self.specimen.network.bonds() as f64);
+        let all = equilibrium::broken_share(self.level) * network.bonds() as f64;
+        let by_breaks = taken(broken) / taken(all);
         // forces fall late, and rise again within the first breaks
         let by_force = (1.0 - force / peak) / (1.0 - self.test.stop_force_fraction);
         let by_force = by_force.clamp(0.0, 1.0).powi(2);

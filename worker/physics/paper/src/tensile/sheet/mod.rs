@@ -154,7 +154,7 @@ fn run_one(
         team,
         motion: spec.test.dynamics.map(moving),
     };
-    let mut course = Course::new(&specimen, test, means, kept)?;
+    let mut course = Course::new((&specimen, spec.level()), test, means, kept)?;
     recorder.columns(&SHEET_CURVE)?;
     let mut told = 0;
     let mut tell = |course: &Course<'_>, recorder: &mut dyn Recorder| {
