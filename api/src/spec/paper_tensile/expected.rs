@@ -204,23 +204,17 @@ pub(super) fn factor_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
     1.2 * unknowns.powf(1.42)
 }
 
-/// Entries of the factor that iterations have. Of rigid groups, fitted to six sheets of beams from 47 000 to
-/// 1 300 000 unknowns, and to four trusses, whose groups are larger, from 28 000 to 655 000 with 10 to 53
-/// for each: a bond inside segments joins more groups than one with nodes. Of a truss that is
-/// small, of the truss itself, by one of 28 000 unknowns.
+/// Entries of the factor that iterations have. Of rigid groups, fitted to sheets of beams of 332 000 to 1 300 000
+/// unknowns with 7.5 to 11 for each, bonds inside segments or with nodes, and to trusses, whose groups are larger,
+/// of 166 000 to 655 000 with 1.6 to 2.7. Of a truss that is small, of the truss itself, by one of 28 000 unknowns.
 pub(super) fn iterated_entries(spec: &PaperTensile, unknowns: f64) -> f64 {
     if is_factored_truss(spec, unknowns) {
         return 10.6 * unknowns.powf(1.42);
     }
-    let share = match spec.accuracy.knobs().bonds_at {
-        BondsAt::Nodes => 0.39,
-        BondsAt::Inside => 1.0,
-    };
-    let of_groups = match spec.level() {
-        Level::Truss => 0.2 * unknowns.powf(1.4),
-        Level::Beam | Level::Tube => 0.44 * unknowns.powf(1.325),
-    };
-    share * of_groups
+    match spec.level() {
+        Level::Truss => 0.013 * unknowns.powf(1.4),
+        Level::Beam | Level::Tube => 0.156 * unknowns.powf(1.305),
+    }
 }
 
 /// Whether iterations have a factor of a truss itself.
