@@ -120,10 +120,12 @@ impl History {
         }
     }
 
-    /// Looks at every job, after something that concerns any of them.
-    pub(crate) async fn look_at_all(&mut self, store: &Store) {
+    /// Looks at every job whose version went on, after something that concerns any of them.
+    pub(crate) async fn look_at_changed(&mut self, store: &Store) {
         for id in self.jobs().collect::<Vec<_>>() {
-            self.look(store, id, false).await;
+            if store.job_version(id).await.unwrap() != self.jobs[&id].version {
+                self.look(store, id, false).await;
+            }
         }
     }
 
@@ -188,7 +190,10 @@ impl History {
     /// What must hold of every job once all is quiet.
     pub(crate) async fn settled(&mut self, store: &Store) {
         self.follow(store).await;
-        self.look_at_all(store).await;
+        // all of them: what changed without its version shows at last here
+        for id in self.jobs().collect::<Vec<_>>() {
+            self.look(store, id, false).await;
+        }
         for (id, seen) in &self.jobs {
             let job = store.job(*id).await.unwrap();
             assert_eq!(

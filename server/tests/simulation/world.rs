@@ -226,7 +226,7 @@ impl World {
             Happening::Sweep => {
                 self.server.sweep().await;
                 if let Some(store) = self.server.store() {
-                    self.history.look_at_all(store).await;
+                    self.history.look_at_changed(store).await;
                 }
                 self.after(SWEEP_EVERY, Happening::Sweep);
             }
