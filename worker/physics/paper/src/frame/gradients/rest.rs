@@ -1,8 +1,7 @@
 //! The rest of a network by conjugate gradients, from one break to the next.
 //!
 //! Every solution starts from the last one, and stops when what breaks next is known well enough. How well it
-//! is known is what the last iterations changed of failure indices, about the error that there was before them, or
-//! what the error in energy that is left bounds, where a factor of all of a truss has left next to none at once.
+//! is known is what the last iterations changed of failure indices, about the error that there was before them.
 //! For how small an error in energy to ask goes by what no part exceeds: a spring of stiffness c carries an
 //! error of at most √c √(eᵀKe). All parts share the error, so that each has a small part of that.
 use std::sync::Arc;
@@ -252,6 +251,7 @@ impl<'n> Relaxation<'n> {
             self.wanted = share * self.system.energy_norm();
         }
         let mut iterations = 0;
+        let mut was_at_floor = false;
         for _ in 0..ROUNDS {
             let iterated = self.system.solve(self.wanted);
             iterations += iterated.iterations;
@@ -262,12 +262,18 @@ impl<'n> Relaxation<'n> {
             if iterated.ended != Ended::Near && !is_at_floor {
                 break;
             }
-            self.index_error = self.index_error_after(iterated.error);
+            self.index_error = self.changed_index();
             let is_balanced = self.residual <= self.limit();
             let is_known = self.index_error <= self.tolerance;
-            if (iterated.error <= self.wanted && is_known && is_balanced) || is_at_floor {
+            if iterated.error <= self.wanted && is_known && is_balanced {
                 return Ok(());
             }
+            // where a factor of all leaves nothing at once, what its first iterations moved tells of no error: another
+            // round does
+            if is_at_floor && (is_known || was_at_floor) {
+                return Ok(());
+            }
+            was_at_floor = is_at_floor;
             if !is_known {
                 let share = INDEX_SHARPER * self.tolerance / self.index_error;
                 self.wanted = self.wanted.min(share * iterated.error);
@@ -308,15 +314,12 @@ impl<'n> Relaxation<'n> {
             ALONE
         };
         let by_energy = share * (2.0 * self.forces.energy).sqrt();
-        let most = self
-            .critical
-            .map_or(0.0, |critical| self.sensitivity(critical.element, critical));
-        self.wanted = by_energy.min(SPREAD * self.tolerance / most.max(f64::MIN_POSITIVE));
+        self.wanted =
+            by_energy.min(SPREAD * self.tolerance / self.sensitivity().max(f64::MIN_POSITIVE));
     }
 
-    /// Largest error of a failure index near that of what breaks next, over the latter: what the last iterations changed
-    /// of it, or where that is less, what the error in energy `left` may be to it at most.
-    fn index_error_after(&mut self, left: f64) -> f64 {
+    /// Most that the last iterations changed a failure index near that of what breaks next, over the latter.
+    fn changed_index(&mut self) -> f64 {
         let Some(critical) = self.critical else {
             return 0.0;
         };
@@ -332,22 +335,24 @@ impl<'n> Relaxation<'n> {
                 let change = element.loads(&element.deformation(&self.changes.ends(element)));
                 let before = std::array::from_fn(|spring| loads[spring] - change[spring]);
                 let before = critical.factor / breaks_at(self.network, part, &before);
-                let by_energy = self.sensitivity(part, critical) * left;
-                most = most.max((index - before).abs().min(by_energy));
+                most = most.max((index - before).abs());
             }
         }
         most
     }
 
-    /// Most that an error in energy of 1 changes the failure index of a part, over that of what breaks next.
-    fn sensitivity(&self, part: usize, critical: Critical) -> f64 {
+    /// Most that an error in energy of 1 changes the failure index of what breaks next, over itself.
+    fn sensitivity(&self) -> f64 {
+        let Some(critical) = self.critical else {
+            return 0.0;
+        };
         let segments = self.network.segments();
-        let stiffness = self.network.elements()[part].stiffness;
-        let per_error = if part >= segments {
-            let [normal, shear] = self.network.strengths(part - segments);
+        let stiffness = self.network.elements()[critical.element].stiffness;
+        let per_error = if critical.element >= segments {
+            let [normal, shear] = self.network.strengths(critical.element - segments);
             stiffness[0].sqrt() / normal.min(shear)
         } else {
-            let section = self.network.section_of(part);
+            let section = self.network.section_of(critical.element);
             let bent = stiffness[1].max(stiffness[4]).sqrt();
             let lever = 0.5 * section.width_um / section.inertia_um4;
             let bent = match self.network.model().level {
