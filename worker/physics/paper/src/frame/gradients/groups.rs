@@ -10,8 +10,8 @@
 use loadframe_api::DisjointSets;
 
 /// A group that has found no room, and is smaller than this part of what others may be, goes to its stiffest
-/// neighbour, however large that is: nine of ten groups of a sheet are such, of one or two nodes most of them, and took
-/// nine of ten numbers of the factor without sparing an iteration.
+/// neighbour, however large that is. In a sheet of beams of 55 000 nodes three of four groups were such, and with them
+/// went three of four numbers of the factor: 92 iterations without them, 93 with.
 const LEFT_OVER: u32 = 4;
 
 /// Not in any group.
