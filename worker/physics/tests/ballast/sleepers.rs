@@ -1,5 +1,5 @@
 //! What lies under a bed, and sleepers that tilt on it.
-use loadframe_api::JobSpec;
+use loadframe_api::{JobSpec, spec::granular_scene::DegreeOfFreedom};
 use serde_json::{Value, json};
 
 use super::{run, small_oedometer, submission, value};
@@ -60,6 +60,25 @@ fn a_sleeper_leans_to_the_side_its_rail_stands_on() {
         about_y[0],
         about_y[most]
     );
+}
+
+/// As one of flat faces; what sets it down lets it go along z.
+#[test]
+fn a_sleeper_of_spheres_that_is_not_to_tilt_cannot_turn_at_all() {
+    use DegreeOfFreedom as D;
+    let mut bed = small_box();
+    bed["kind"] = json!("ballast_railbed");
+    bed["spec"]["apparatus"] = json!({"sleeper_member_radius_m": 0.05});
+    for job in [small_box(), bed] {
+        let scene = match submission(&job).expect("a valid job") {
+            JobSpec::BallastBox(spec) => spec.script().scene,
+            JobSpec::BallastRailbed(spec) => spec.script().scene,
+            other => panic!("another kind: {:?}", other.kind()),
+        };
+        for held in [D::X, D::Y, D::Z, D::Rx, D::Ry, D::Rz] {
+            assert!(scene.bodies[0].fixed.contains(&held), "{held:?}");
+        }
+    }
 }
 
 #[test]

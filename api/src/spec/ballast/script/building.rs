@@ -118,7 +118,7 @@ impl Script {
                 filled: None,
             }),
             // z is let go when it is set down
-            fixed: vec![D::X, D::Y, D::Z, D::Rx, D::Ry],
+            fixed: vec![D::X, D::Y, D::Z, D::Rx, D::Ry, D::Rz],
             ..Body::at(lower, SLEEPER)
         });
         self.body = Some(0);
