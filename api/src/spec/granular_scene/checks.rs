@@ -8,9 +8,6 @@ use super::{
 use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations, worker::MOST_CURVE_COLUMNS};
 
-/// Bodies may overlap by this part of the smaller radius at the start; more is a mistake, and
-/// would throw them apart.
-const LARGEST_OVERLAP: f64 = 0.05;
 /// More spheres than this are refused: about 4 GB.
 const MOST_PARTICLES: u64 = 10_000_000;
 
@@ -49,7 +46,7 @@ fn largest_overlap(spec: &GranularScene) -> f64 {
     if spec.is_relaxed_first() {
         f64::INFINITY
     } else {
-        LARGEST_OVERLAP
+        spec.largest_overlap_at_start
     }
 }
 

@@ -140,6 +140,12 @@ pub struct GranularScene {
     /// what presses on it.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub stop_when_pushed_through: bool,
+    /// Largest overlap over the smaller radius that bodies may begin with, unless the first stage is
+    /// `relax`: more is a mistake, and would throw them apart. Soft grains that another program or another
+    /// scene brought to rest lie deeper in each other and in soft walls.
+    #[serde(default = "small_overlap", skip_serializing_if = "is_small_overlap")]
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "1"))]
+    pub largest_overlap_at_start: f64,
     #[serde(default)]
     pub accuracy: Accuracy,
     /// What is done, in this order.
@@ -179,6 +185,7 @@ impl GranularScene {
             time_step_s: TimeStep::default(),
             allow_unstable: false,
             stop_when_pushed_through: true,
+            largest_overlap_at_start: small_overlap(),
             accuracy: Accuracy::Knobs(Knobs {
                 critical_step_fraction,
             }),
@@ -262,6 +269,15 @@ impl GranularScene {
 
 fn one() -> u64 {
     1
+}
+
+fn small_overlap() -> f64 {
+    0.05
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_small_overlap(ratio: &f64) -> bool {
+    ratio.to_bits() == small_overlap().to_bits()
 }
 
 /// Standard gravity to the two digits that the examples of the field use.

@@ -136,7 +136,7 @@ impl Overlap {
         Violation::new(pointer, "overlap", detail)
             .value(self.ratio)
             .allowed(format!(
-                "overlap ≤ {largest_ratio} of the smaller radius, or a first stage that relaxes"
+                "overlap ≤ {largest_ratio} of the smaller radius, a first stage that relaxes, or a larger /largest_overlap_at_start if it is meant"
             ))
             .unit("1")
     }

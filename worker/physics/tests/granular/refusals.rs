@@ -26,6 +26,11 @@ fn bodies_inside_each_other_are_refused() {
         submission(&scene(&[at(0.01), at(0.0296)])).is_ok(),
         "4 % may overlap"
     );
+    let mut soft = scene(&[at(0.01), at(0.029)]);
+    soft["largest_overlap_at_start"] = json!(0.11);
+    assert!(submission(&soft).is_ok(), "more where it is meant");
+    soft["largest_overlap_at_start"] = json!(0.09);
+    assert_eq!(codes(&soft), one("/spec/bodies/1/position_m", "overlap"));
     assert_eq!(
         codes(&scene(&[at(0.01), at(0.01)])),
         one("/spec/bodies/1/position_m", "equal_centres")
