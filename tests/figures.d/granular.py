@@ -60,6 +60,37 @@ def yade_statistics(folder: Path) -> list[list[str]]:
     return rows
 
 
+# ── one bed in Yade and here ────────────────────────────────────────────────────────────────────────
+
+# Beds of each; ten cycles take Yade a quarter of an hour.
+BEDS = {"cycles": 1, "stiff": 2, "railbed": 2}
+LOADS = {
+    "cycles-poured": "box, 28 MPa, ten times 3 kN, as poured", "cycles-shaken": "the same, shaken",
+    "stiff-poured": "box, 280 GPa, 3 to 40 kN in 30 ms, as poured", "stiff-shaken": "the same, shaken",
+    "railbed-poured": "rail bed, 2.8 MPa, 2 kN, as poured", "railbed-shaken": "the same, shaken",
+}
+
+
+def measure_loads(folder: Path) -> dict:
+    for test, beds in BEDS.items():
+        cases = [case for case in LOADS if case.startswith(test)]
+        script("loads_beside_yade", "--beds", beds, "--json", folder.resolve() / "loads.json", *cases)
+    return {"commit": commit_of_executable()}
+
+
+def loads(folder: Path) -> list[list[str]]:
+    found = json.loads((folder / "loads.json").read_text())
+    programs = {"yade": "Yade", "loadframe": "loadframe", "test": "the test"}
+    columns = [f"{way}: {programs['yade']} [mm]" for way in ("first cycle", "last cycle", "stays")]
+    rows = [["bed", *(cell for column in columns for cell in (column, "loadframe", "the test"))]]
+    for case, words in LOADS.items():
+        for bed in range(1, BEDS[case.split("-")[0]] + 1):
+            told = found[f"{case} {bed}"]
+            cells = [f"{told[program][way]:.3g}" for way in range(3) for program in programs]
+            rows.append([f"{words}, bed {bed}", *cells])
+    return rows
+
+
 # ── restitution ─────────────────────────────────────────────────────────────────────────────────────
 
 PRESETS = ("draft", "standard", "reference")
@@ -302,6 +333,7 @@ def watched(folder: Path) -> list[list[str]]:
 TABLES = {
     "granular_restitution": Table("2 min of processor time", measure_restitution, restitution),
     "granular_yade_statistics": Table("3 min of processor time; needs yade", measure_statistics, yade_statistics),
+    "granular_yade_loads": Table("1 h of processor time; needs yade, and vtk of tests/requirements.txt", measure_loads, loads),
     "granular_peers": Table("20 min of processor time, beds included; needs lammps and yade", measure_peers, peers),
     "granular_threads": Table("8 min of two cores, beds included", measure_threads, threads),
     "granular_watched": Table("15 min on a quiet machine; needs valgrind", measure_watched, watched),
