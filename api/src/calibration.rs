@@ -38,6 +38,21 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Of so many such tests with other seeds, of which the first alone leaves its files. As many are in
+    /// memory at once as there are threads, which a spec does not know: it is told for one core.
+    #[must_use]
+    pub(crate) fn of_repeats(self, repeats: u32) -> Self {
+        let tests = f64::from(repeats);
+        Self {
+            wall_s: tests * self.wall_s,
+            sharing: Sharing {
+                tests,
+                ..self.sharing
+            },
+            ..self
+        }
+    }
+
     /// With the time on so many threads.
     #[must_use]
     pub fn on_threads(self, threads: Option<u32>) -> Self {

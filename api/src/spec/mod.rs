@@ -7,4 +7,5 @@ pub mod composite_cell;
 pub mod granular_scene;
 pub mod nonwoven_tensile;
 pub mod paper_tensile;
+mod repeats;
 pub mod soil;

@@ -4,6 +4,7 @@ use super::{
     Apparatus, Ballast, Tamper,
     shapes::shell_members,
 };
+use crate::spec::repeats::check_seeds;
 use crate::{Violation, Violations, spec_trait::Spec as _};
 
 /// The largest grain over the narrowest width that it is poured into, at most: wider ones jam.
@@ -76,6 +77,7 @@ pub(super) fn check_tilting(
 
 pub(super) fn check<A: Apparatus>(spec: &Ballast<A>, violations: &mut Violations) {
     spec.apparatus.check(violations);
+    violations.extend(check_seeds(spec.seed, spec.repeats, "repeats"));
     check_load(spec, violations);
     violations.extend(check_mat(spec));
     if let (Some(edge), true) = (spec.output.void_cell_m, A::IS_OEDOMETER) {

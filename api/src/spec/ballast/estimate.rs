@@ -33,5 +33,5 @@ pub(super) fn estimate<A: Apparatus>(spec: &Ballast<A>, calibration: &Calibratio
             *steps = steps.map(|steps| steps.min(ROLLING_STEPS));
         }
     }
-    scene.estimate(calibration)
+    scene.estimate(calibration).of_repeats(spec.repeats)
 }

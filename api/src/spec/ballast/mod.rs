@@ -31,6 +31,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::granular_scene::{BondRestLength, ContactFriction, ContactLaw};
+use super::repeats::{is_one_repeat, one_repeat};
 
 pub use accuracy::{Accuracy, Knobs};
 pub use apparatus::{Apparatus, Tilting};
@@ -67,6 +68,12 @@ pub struct Ballast<A> {
     #[serde(default = "one")]
     #[schemars(range(max = 9_007_199_254_740_991_u64))]
     pub seed: u64,
+    /// Beds of this spec that are tested, with the seeds `seed`, `seed` + 1, ...: results become means with
+    /// standard deviation, 95 % confidence interval and the error that so few beds leave. Curve and tables
+    /// are those of the first.
+    #[serde(default = "one_repeat", skip_serializing_if = "is_one_repeat")]
+    #[schemars(range(min = 1, max = 1000), extend("x-unit" = "1"))]
+    pub repeats: u32,
     #[serde(default)]
     pub grains: Grains,
     pub materials: Materials,

@@ -86,6 +86,7 @@ impl<A: Apparatus> Studied for Ballast<A> {
 
     fn single(&mut self, seed: u64) {
         self.seed = seed;
+        self.repeats = 1;
         self.output.snapshots = 0;
     }
 

@@ -1,10 +1,9 @@
 //! What the JSON Schema cannot say: a job that is valid wherever its parameters may go, and
 //! measurements it can be held against.
 use super::{Calibrate, CurveReading, FreeParameter, Measured, MeasuredResult, Scale, Template};
+use crate::spec::repeats::check_seeds;
 use crate::{JobKind, JobSpec, Violation, Violations, result_names, result_units};
 
-/// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
-const LARGEST_SEED: u64 = (1 << 53) - 1;
 /// Points of a measured curve, as many as `rows` may have.
 const MOST_POINTS: usize = 100_000;
 /// Bytes that are read to check one job, at most.
@@ -62,16 +61,7 @@ fn check_counts(spec: &Calibrate, violations: &mut Violations) {
                 .allowed(format!("≥ {fewest}")),
         );
     }
-    let others = u64::from(spec.realisations.saturating_sub(1));
-    if spec.seed > LARGEST_SEED - others {
-        let violation = Violation::new(
-            "/seed",
-            "out_of_range",
-            "the seeds of the realisations, which count on from this one, become too large",
-        );
-        let allowed = format!("0 … {}", LARGEST_SEED - others);
-        violations.push(violation.value(spec.seed).allowed(allowed));
-    }
+    violations.extend(check_seeds(spec.seed, spec.realisations, "realisations"));
 }
 
 fn check_free(spec: &Calibrate, template: &Template, violations: &mut Violations) {

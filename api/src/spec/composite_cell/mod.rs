@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::composite_bending::Material;
+use super::{composite_bending::Material, repeats::one_repeat};
 pub use accuracy::{Accuracy, Knobs};
 
 /// The effective constants of a unidirectional composite.
@@ -201,10 +201,6 @@ impl CompositeCell {
 }
 
 fn one() -> u64 {
-    1
-}
-
-fn one_repeat() -> u32 {
     1
 }
 

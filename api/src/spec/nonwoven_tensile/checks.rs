@@ -2,6 +2,7 @@
 use super::{
     Breaking, Direction, Fabric, Jaw, Lattice, MOST_STEPS, Network, NonwovenTensile, history,
 };
+use crate::spec::repeats::check_seeds;
 use crate::violations::LISTED_OF_A_SORT;
 use crate::{DisjointSets, Violation, Violations};
 
@@ -9,8 +10,6 @@ use crate::{DisjointSets, Violation, Violations};
 const MOST_NODES: u64 = 20_000_000;
 /// Rest lengths below this [mm] make stiffness overflow.
 const SHORTEST_BOND_MM: f64 = 1e-9;
-/// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
-const LARGEST_SEED: u64 = (1 << 53) - 1;
 
 pub(super) fn check(spec: &NonwovenTensile, violations: &mut Violations) {
     match &spec.fabric {
@@ -20,7 +19,7 @@ pub(super) fn check(spec: &NonwovenTensile, violations: &mut Violations) {
     check_bond(spec, violations);
     check_output(spec, violations);
     check_landscape(spec, violations);
-    check_seeds(spec, violations);
+    violations.extend(check_seeds(spec.seed, spec.test.repeats, "repeats"));
     check_directions(spec, violations);
     history::check(spec, violations);
     let steps = spec.test.steps();
@@ -112,21 +111,6 @@ fn check_landscape(spec: &NonwovenTensile, violations: &mut Violations) {
             )
             .value(node)
             .allowed(format!("a free node among 0 … {}", nodes.saturating_sub(1))),
-        );
-    }
-}
-
-fn check_seeds(spec: &NonwovenTensile, violations: &mut Violations) {
-    let others = u64::from(spec.test.repeats.saturating_sub(1));
-    if spec.seed > LARGEST_SEED - others {
-        violations.push(
-            Violation::new(
-                "/seed",
-                "out_of_range",
-                "the seeds of the repeats, which count on from this one, become too large",
-            )
-            .value(spec.seed)
-            .allowed(format!("0 … {}", LARGEST_SEED - others)),
         );
     }
 }

@@ -4,6 +4,7 @@ use super::{
     BondsAt, Direction, ExplicitBond, ExplicitSheet, MadeSheet, Orientation, PaperTensile,
     Placement, Pulp,
 };
+use crate::spec::repeats::check_seeds;
 use crate::{Violation, Violations};
 
 /// At most this many violations of a list are told.
@@ -15,8 +16,6 @@ const AT_END: f64 = 1e-6;
 /// Bonded points may be apart by this much more than the fibres' radii: arc lengths are written with
 /// few digits.
 const TOUCH: f64 = 1.01;
-/// Seeds beyond 2⁵³ − 1 are not exact in every language's JSON.
-const LARGEST_SEED: u64 = (1 << 53) - 1;
 /// Most memory [MB] a sheet is given.
 pub(super) const MOST_MB: f64 = 64e3;
 /// Log-normal lengths are drawn within so many standard deviations of their logarithm.
@@ -55,14 +54,7 @@ pub(super) fn check_test(spec: &PaperTensile, violations: &mut Violations) {
                 .unit("1"),
         );
     }
-    if spec.seed > LARGEST_SEED - u64::from(spec.specimens() - 1) {
-        let detail = "the seeds of the repeats, which count on from this one, become too large";
-        violations.push(
-            Violation::new("/seed", "out_of_range", detail)
-                .value(spec.seed)
-                .allowed(format!("seed + repeats - 1 ≤ {LARGEST_SEED}")),
-        );
-    }
+    violations.extend(check_seeds(spec.seed, spec.specimens(), "repeats"));
 }
 
 /// What masses in motion cannot be asked.

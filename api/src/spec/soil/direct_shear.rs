@@ -125,7 +125,8 @@ impl Shearing for DirectShear {
         let walls = vec![
             moving("lower", along),
             moving("base", along),
-            following("top", aim, velocity),
+            // as fast as it was pressed down: grains that give way do not wait for the shear
+            following("top", aim, velocity.max(pace.preparation * self.height_m)),
         ];
         let time = self.displacement() / velocity;
         script.shear(walls, time);

@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::super::granular_scene::results as scene;
+use super::super::{granular_scene::results as scene, repeats::check_seeds};
 use super::{Shearing, Soil};
 use crate::results::Named;
 use crate::spec_trait::Spec;
@@ -20,6 +20,7 @@ where
 
     fn check(&self, violations: &mut Violations) {
         self.test.check(violations);
+        violations.extend(check_seeds(self.seed, self.repeats, "repeats"));
         if self.grains.sizes.is_none() && self.grains.shape.template().is_none() {
             let detail = "spheres need sizes";
             let violation = Violation::new("/grains/sizes", "missing", detail);
@@ -45,7 +46,8 @@ where
     }
 
     fn estimate(&self, calibration: &Calibration) -> Estimate {
-        self.script().scene.estimate(calibration)
+        let one = self.script().scene.estimate(calibration);
+        one.of_repeats(self.repeats)
     }
 
     fn extent(&self) -> Extent {

@@ -49,6 +49,7 @@ impl<T: Shearing> Studied for Soil<T> {
 
     fn single(&mut self, seed: u64) {
         self.seed = seed;
+        self.repeats = 1;
         self.output.snapshots = 0;
     }
 

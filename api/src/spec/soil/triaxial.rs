@@ -33,7 +33,7 @@ pub struct Triaxial {
 
 /// Shear rate √(2 D:D) of a shortening by 1/s without change of volume [1/s].
 const SHEAR_PER_STRAIN: f64 = 1.732_050_807_568_877_2; // √3
-/// How much faster than the shortening the sides may give way.
+/// How much faster than the shortening the sides may give way, at least.
 const SIDES: f64 = 2.0;
 
 impl Triaxial {
@@ -99,7 +99,9 @@ impl Shearing for Triaxial {
         let way = pace.expansion.cbrt() - 1.0;
         script.compress(&walls, way, pace, friction_factor);
         let rate = self.rate(pace);
-        let side = |name: &str| following(name, aim, SIDES * rate * self.width_m);
+        // as fast as they were pressed in: grains that give way do not wait for the shortening
+        let fastest = (SIDES * rate).max(pace.preparation) * self.width_m;
+        let side = |name: &str| following(name, aim, fastest);
         let top = moving("top", [0.0, 0.0, -rate * self.height_m]);
         let time = self.axial_strain / rate;
         script.shear(vec![side("right"), side("back"), top], time);

@@ -19,6 +19,7 @@
 //! | [`observe`] | what is read off model and state |
 //! | [`output`] | what a run keeps: journal, tables, snapshots, report |
 //! | [`stages`] | what a run does, stage by stage |
+//! | [`repeats`] | a test of several beds |
 //! | [`ballast`] | tests of ballast: scenes, read in the terms of a test |
 //! | [`soil`] | tests of soil, alike |
 //!
@@ -59,6 +60,7 @@ mod motion;
 mod numbers;
 mod observe;
 mod output;
+mod repeats;
 mod scene;
 pub mod soil;
 mod stages;

@@ -3,6 +3,7 @@
 mod scene;
 
 mod loading;
+mod repeats;
 mod replacing;
 mod sleepers;
 mod tamping;

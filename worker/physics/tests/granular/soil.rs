@@ -83,6 +83,7 @@ fn a_triaxial_test_keeps_its_pressure_and_finds_an_angle() {
     let ratio = value(&report, "initial_void_ratio");
     // 0.5 to 0.85 is that of a bed; smooth walls leave gaps beside a few layers of spheres
     assert!((0.5..1.0).contains(&ratio), "{ratio}");
+    assert_close(report.quality["stress_not_kept"].value, 0.0, 1e-12);
     assert!(
         report.quality["wall_force_imbalance"].value < 0.2,
         "{report:#?}"
@@ -119,6 +120,7 @@ fn a_shear_box_carries_the_same_force_in_both_halves_and_keeps_its_stress() {
     let peak = value(&report, "peak_friction_angle");
     assert!((20.0..50.0).contains(&peak), "{report:#?}");
     assert_close(value(&report, "largest_shear_displacement"), 1.6, 1e-3);
+    assert_close(report.quality["stress_not_kept"].value, 0.0, 1e-12);
     assert!(
         report.quality["wall_force_imbalance"].value < 0.3,
         "{report:#?}"

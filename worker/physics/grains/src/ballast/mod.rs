@@ -22,8 +22,10 @@ mod tests;
 mod voids;
 
 use loadframe_api::spec::ballast::{Apparatus, Ballast};
-use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError};
+use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError, plan::first_of};
+use serde::Serialize;
 
+use crate::repeats::{self, Repeated};
 use crate::stages;
 use tester::Tester;
 
@@ -43,14 +45,54 @@ pub fn preview<A: Apparatus>(
     recorder: &mut dyn Recorder,
 ) -> Result<String, Halt> {
     stages::run::preview(&spec.script().scene, context, recorder)?;
-    Ok(SHOWN.to_owned())
+    Ok(first_of(SHOWN, spec.repeats))
 }
 
-/// Runs the test of `spec`.
+/// Runs the test of `spec`, of as many beds as it asks for.
 ///
 /// # Errors
 /// What made a result impossible, see [`SimulationError`].
-pub fn run<A: Tabled>(
+pub fn run<A: Tabled + Serialize + Sync>(
+    spec: &Ballast<A>,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    repeats::run(spec, context, recorder)
+}
+
+impl<A: Tabled + Serialize + Sync> Repeated for Ballast<A> {
+    const SEVERAL: &'static str = "beds";
+    // time, force and displacement
+    const KEPT_COLUMNS: usize = 3;
+    const TOLD: &'static str = "peak_displacement";
+
+    fn repeats(&self) -> u32 {
+        self.repeats
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    fn of_one(&self, seed: u64, is_first: bool) -> Self {
+        let mut own = self.clone();
+        (own.seed, own.repeats) = (seed, 1);
+        if !is_first {
+            own.output.snapshots = 0;
+        }
+        own
+    }
+
+    fn run_one(
+        &self,
+        context: RunContext<'_>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<Ending, SimulationError> {
+        run_one(self, context, recorder)
+    }
+}
+
+fn run_one<A: Tabled>(
     spec: &Ballast<A>,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,

@@ -10,7 +10,7 @@ use loadframe_harness::{ReportBuilder, curve};
 use super::{
     Measured, Reading,
     angles::{critical, slope_at},
-    measured::Rows,
+    measured::{Rows, points},
 };
 
 /// Places in a row of the test.
@@ -46,14 +46,19 @@ impl Measured for DirectShear {
         ]
     }
 
+    fn kept_stress(&self) -> (usize, f64) {
+        (NORMAL, 1e-3 * self.normal_stress_pa)
+    }
+
     fn balance(&self, row: &Reading<'_>) -> [f64; 2] {
         let lower = row.at("lower_force_x_n") + row.at("base_force_x_n");
         [shear_force(row), lower]
     }
 
     fn results(&self, report: &mut ReportBuilder, script: &Script, rows: &Rows) {
-        let ratio = rows.points(DISPLACEMENT, RATIO);
-        let vertical = rows.points(DISPLACEMENT, VERTICAL);
+        let kept = rows.kept(self.kept_stress());
+        let ratio = points(&kept, DISPLACEMENT, RATIO);
+        let vertical = points(&kept, DISPLACEMENT, VERTICAL);
         let (Some(peak), Some([first, _]), Some(last)) =
             (curve::peak(&ratio), rows.ends(), rows.test.last())
         else {
@@ -69,7 +74,7 @@ impl Measured for DirectShear {
         for (name, value, unit, description) in [
             (
                 "peak_shear_stress",
-                1e3 * rows.test[peak][SHEAR],
+                1e3 * kept[peak][SHEAR],
                 "Pa",
                 "Shear stress where its ratio to the normal stress is largest, over the area of the box.",
             ),

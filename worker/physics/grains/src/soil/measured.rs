@@ -12,6 +12,10 @@ pub trait Measured: Tabled {
     #[doc(hidden)]
     fn row(&self, script: &Script, row: &Reading<'_>, first: &Reading<'_>) -> Vec<f64>;
 
+    /// The stress that walls keep during the test: its place in a row, and what it is to be [kPa].
+    #[doc(hidden)]
+    fn kept_stress(&self) -> (usize, f64);
+
     /// Forces of two walls [N] that are in balance when nothing is left of motion.
     #[doc(hidden)]
     fn balance(&self, row: &Reading<'_>) -> [f64; 2];
@@ -48,7 +52,27 @@ impl Reading<'_> {
     }
 }
 
+/// A stress is kept where it is within this part of what it is to be: walls that follow are within some
+/// hundredths of it, and behind grains that suddenly give way next to nothing is left of it.
+const KEPT: f64 = 0.1;
+
+/// A column of rows over another.
+pub(super) fn points(rows: &[&Vec<f64>], x: usize, y: usize) -> Vec<(f64, f64)> {
+    rows.iter().map(|row| (row[x], row[y])).collect()
+}
+
 impl Rows {
+    /// Rows in which the walls keep their stress. A ratio of stresses means something in these alone.
+    pub(super) fn kept(&self, (place, asked): (usize, f64)) -> Vec<&Vec<f64>> {
+        let is_kept = |row: &&Vec<f64>| (row[place] / asked - 1.0).abs() <= KEPT;
+        self.test.iter().filter(is_kept).collect()
+    }
+
+    /// Part of the rows in which they do not.
+    pub(super) fn not_kept(&self, stress: (usize, f64)) -> f64 {
+        1.0 - self.kept(stress).len() as f64 / self.test.len().max(1) as f64
+    }
+
     /// The state before the test, and that at its end.
     pub(super) fn ends(&self) -> Option<[Reading<'_>; 2]> {
         let reading = |values| Reading {
@@ -58,13 +82,27 @@ impl Rows {
         Some([reading(self.scene.first()?), reading(self.scene.last()?)])
     }
 
-    /// A column over another.
-    pub(super) fn points(&self, x: usize, y: usize) -> Vec<(f64, f64)> {
-        self.test.iter().map(|row| (row[x], row[y])).collect()
-    }
-
     /// Σ |F_a + F_b| over Σ |F_a|.
     pub(super) fn imbalance(&self) -> f64 {
         self.imbalance[0] / self.imbalance[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ratio_is_read_where_the_stress_is_kept() {
+        let stresses = [(40.0, 100.0), (60.0, 95.0), (0.5, 0.1), (20.0, 85.0)];
+        let row =
+            |(way, (shear, normal)): (usize, (f64, f64))| vec![way as f64, normal, shear / normal];
+        let rows = Rows {
+            test: stresses.into_iter().enumerate().map(row).collect(),
+            ..Rows::default()
+        };
+        let ratios = points(&rows.kept((1, 100.0)), 0, 2);
+        assert_eq!(ratios, [(0.0, 0.4), (1.0, 60.0 / 95.0)]);
+        assert!((rows.not_kept((1, 100.0)) - 0.5).abs() < 1e-15);
     }
 }

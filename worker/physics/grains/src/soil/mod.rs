@@ -13,8 +13,12 @@ mod tester;
 mod triaxial;
 
 use loadframe_api::{Report, spec::soil::Soil};
-use loadframe_harness::{Ending, Halt, Recorder, ReportBuilder, RunContext, SimulationError};
+use loadframe_harness::{
+    Ending, Halt, Recorder, ReportBuilder, RunContext, SimulationError, plan::first_of,
+};
+use serde::Serialize;
 
+use crate::repeats::{self, Repeated};
 use crate::stages;
 use tester::Tester;
 
@@ -23,6 +27,9 @@ pub use measured::{Measured, Reading};
 
 /// Part of the force on one wall that another does not carry, beyond which forces are those of motion.
 const LARGEST_IMBALANCE: f64 = 0.05;
+
+/// Part of the rows of a test in which the walls do not keep their stress, at most.
+const LARGEST_NOT_KEPT: f64 = 0.02;
 
 /// Shown of the specimen: grains have yet to be pressed together, which is part of the simulation.
 const SHOWN: &str = "Grains as they are placed, apart from one another. Pressing them together to the specimen \
@@ -38,14 +45,58 @@ pub fn preview<T: Measured>(
     recorder: &mut dyn Recorder,
 ) -> Result<String, Halt> {
     stages::run::preview(&spec.script().scene, context, recorder)?;
-    Ok(SHOWN.to_owned())
+    Ok(first_of(SHOWN, spec.repeats))
 }
 
-/// Runs the test of `spec`.
+/// Said where that is so.
+const NOT_KEPT: &str =
+    "results have no error: it was measured for tests whose walls kept their stress";
+
+/// Runs the test of `spec`, of as many specimens as it asks for.
 ///
 /// # Errors
 /// What made a result impossible, see [`SimulationError`].
-pub fn run<T: Measured>(
+pub fn run<T: Measured + Clone + Serialize + Sync>(
+    spec: &Soil<T>,
+    context: RunContext<'_>,
+    recorder: &mut dyn Recorder,
+) -> Result<Ending, SimulationError> {
+    repeats::run(spec, context, recorder)
+}
+
+impl<T: Measured + Clone + Serialize + Sync> Repeated for Soil<T> {
+    const SEVERAL: &'static str = "specimens";
+    // time and what both tests are read by: strain or way, volume or height, stress
+    const KEPT_COLUMNS: usize = 4;
+    const TOLD: &'static str = "peak_friction_angle";
+
+    fn repeats(&self) -> u32 {
+        self.repeats
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    fn of_one(&self, seed: u64, is_first: bool) -> Self {
+        let mut own = self.clone();
+        (own.seed, own.repeats) = (seed, 1);
+        if !is_first {
+            own.output.snapshots = 0;
+        }
+        own
+    }
+
+    fn run_one(
+        &self,
+        context: RunContext<'_>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<Ending, SimulationError> {
+        run_one(self, context, recorder)
+    }
+}
+
+fn run_one<T: Measured>(
     spec: &Soil<T>,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
@@ -56,7 +107,11 @@ pub fn run<T: Measured>(
     Ok(match ending {
         Ending::Finished(scene) => {
             let mut report = conclude(&spec.test, scene, &mut tester)?;
-            if let Some(words) = errors::add(&mut report, spec) {
+            let words = match report.quality.get("stress_not_kept") {
+                Some(check) if !check.ok => Some(NOT_KEPT.to_owned()),
+                _ => errors::add(&mut report, spec),
+            };
+            if let Some(words) = words {
                 tester.log(&words);
             }
             Ending::Finished(report)
@@ -88,6 +143,22 @@ fn conclude<T: Measured>(
             check.value, check.bound
         );
         report.warn("wall_force_imbalance", detail);
+    }
+    report.check(
+        "stress_not_kept",
+        tester.rows.not_kept(test.kept_stress()),
+        LARGEST_NOT_KEPT,
+        "1",
+        "Part of the rows of the test in which the stress that walls keep was more than a tenth off. Strengths and angles are read in the others.",
+    );
+    if let Some(check) = report.failed("stress_not_kept").cloned() {
+        let detail = format!(
+            "in {:.1} % of the rows of the test grains gave way faster than the walls could follow, and the \
+             stress that these keep was more than a tenth off: so few grains carry it that a chain of them is \
+             the specimen. Take smaller grains (/grains/sizes)",
+            100.0 * check.value
+        );
+        report.warn("stress_not_kept", detail);
     }
     let Report {
         stop_reason,

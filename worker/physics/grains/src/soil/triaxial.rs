@@ -12,7 +12,7 @@ use loadframe_harness::{ReportBuilder, curve};
 use super::{
     Measured, Reading,
     angles::{critical, slope_at},
-    measured::Rows,
+    measured::{Rows, points},
 };
 
 /// Places in a row of the test.
@@ -78,14 +78,19 @@ impl Measured for Triaxial {
         ]
     }
 
+    fn kept_stress(&self) -> (usize, f64) {
+        (RADIAL, 1e-3 * self.confining_pressure_pa)
+    }
+
     fn balance(&self, row: &Reading<'_>) -> [f64; 2] {
         ["top", "base"].map(|wall| row.at(&format!("{wall}_force_z_n")))
     }
 
     fn results(&self, report: &mut ReportBuilder, script: &Script, rows: &Rows) {
-        let deviator = rows.points(AXIAL_STRAIN, DEVIATOR);
-        let angle = rows.points(AXIAL_STRAIN, ANGLE);
-        let volume = rows.points(AXIAL_STRAIN, VOLUMETRIC_STRAIN);
+        let kept = rows.kept(self.kept_stress());
+        let deviator = points(&kept, AXIAL_STRAIN, DEVIATOR);
+        let angle = points(&kept, AXIAL_STRAIN, ANGLE);
+        let volume = points(&kept, AXIAL_STRAIN, VOLUMETRIC_STRAIN);
         let (Some(peak), Some([first, _]), Some(last)) =
             (curve::peak(&angle), rows.ends(), rows.test.last())
         else {
@@ -145,7 +150,7 @@ impl Measured for Triaxial {
             ),
             (
                 "mean_stress_at_peak",
-                1e3 * rows.test[peak][MEAN],
+                1e3 * kept[peak][MEAN],
                 "Pa",
                 "Mean stress p at the peak.",
             ),

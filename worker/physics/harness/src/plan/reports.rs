@@ -98,8 +98,12 @@ pub(super) fn join_repeats(first_seed: u64, reports: &[Report]) -> Report {
     joint
 }
 
+/// The part of an error that other specimens make.
+const SPECIMENS: &str = "specimens";
+
 /// How wrong the mean of a result is: what each repeat says of itself, which grids and solvers do to
-/// all of them alike, and what the scatter leaves open. Nothing where repeats say nothing.
+/// all of them alike, and what the scatter leaves open. What a repeat says of another specimen is not among
+/// it: the scatter tells. Nothing where repeats say nothing.
 fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
     let told = reports
         .iter()
@@ -116,6 +120,7 @@ fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
     let mut parts: Vec<ErrorPart> = first
         .parts
         .iter()
+        .filter(|part| part.source != SPECIMENS)
         .map(|part| ErrorPart {
             value: mean_of(&part.source),
             ..part.clone()
@@ -135,7 +140,7 @@ fn sampling(deviation: f64, count: u32) -> Option<ErrorPart> {
     };
     (count > 1).then(|| {
         let open = deviation / f64::from(count).sqrt();
-        ErrorPart::new("specimens", open, ErrorBasis::Repeats).with_tenth(Some(tenth))
+        ErrorPart::new(SPECIMENS, open, ErrorBasis::Repeats).with_tenth(Some(tenth))
     })
 }
 
