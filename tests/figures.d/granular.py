@@ -63,7 +63,7 @@ def yade_statistics(folder: Path) -> list[list[str]]:
 # ── one bed in Yade and here ────────────────────────────────────────────────────────────────────────
 
 # Beds of each; ten cycles take Yade a quarter of an hour.
-BEDS = {"cycles": 1, "stiff": 2, "railbed": 2}
+BEDS_LOADED = {"cycles": 1, "stiff": 2, "railbed": 2}
 LOADS = {
     "cycles-poured": "box, 28 MPa, ten times 3 kN, as poured", "cycles-shaken": "the same, shaken",
     "stiff-poured": "box, 280 GPa, 3 to 40 kN in 30 ms, as poured", "stiff-shaken": "the same, shaken",
@@ -72,7 +72,7 @@ LOADS = {
 
 
 def measure_loads(folder: Path) -> dict:
-    for test, beds in BEDS.items():
+    for test, beds in BEDS_LOADED.items():
         cases = [case for case in LOADS if case.startswith(test)]
         script("loads_beside_yade", "--beds", beds, "--json", folder.resolve() / "loads.json", *cases)
     return {"commit": commit_of_executable()}
@@ -84,7 +84,7 @@ def loads(folder: Path) -> list[list[str]]:
     columns = [f"{way}: {programs['yade']} [mm]" for way in ("first cycle", "last cycle", "stays")]
     rows = [["bed", *(cell for column in columns for cell in (column, "loadframe", "the test"))]]
     for case, words in LOADS.items():
-        for bed in range(1, BEDS[case.split("-")[0]] + 1):
+        for bed in range(1, BEDS_LOADED[case.split("-")[0]] + 1):
             told = found[f"{case} {bed}"]
             cells = [f"{told[program][way]:.3g}" for way in range(3) for program in programs]
             rows.append([f"{words}, bed {bed}", *cells])
