@@ -134,7 +134,8 @@ fn a_job_beyond_its_files_is_paused_with_its_checkpoint() {
     let job = underrated(&server, &flying(20, 4000, &record));
     let _worker = Worker::start(&server, "worker");
     let (job, taken) = paused_for(&server, job.id, "MB of files, where 100 is its limit");
-    assert!(taken > 100.0, "{}", job.reason);
+    // it is told in three digits: 100.4 is 100
+    assert!(taken >= 100.0, "{}", job.reason);
     goes_on_from_its_checkpoint(&server, &job);
 }
 
