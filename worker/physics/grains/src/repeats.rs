@@ -1,6 +1,6 @@
 //! Tests of further beds of one spec, whose seeds count on: what tests of [`ballast`](crate::ballast) and
 //! [`soil`](crate::soil) share.
-use loadframe_api::Report;
+use loadframe_api::{Report, Studied};
 use loadframe_harness::{
     Ending, Recorder, RunContext, SimulationError,
     checkpoint::Fingerprint,
@@ -9,7 +9,7 @@ use loadframe_harness::{
 use serde::Serialize;
 
 /// The spec of a test that may be done to several beds.
-pub(crate) trait Repeated: Serialize + Sync {
+pub(crate) trait Repeated: Studied + Clone + Serialize + Sync {
     /// What they are called.
     const SEVERAL: &'static str;
     /// Leading columns of the curve that are kept of every bed.
@@ -23,9 +23,8 @@ pub(crate) trait Repeated: Serialize + Sync {
     /// Seed of the first.
     fn seed(&self) -> u64;
 
-    /// The test of one bed with this seed; pictures are taken of the first alone, for nobody sees others.
-    #[must_use]
-    fn of_one(&self, seed: u64, is_first: bool) -> Self;
+    /// Makes it the test of the first alone, with all that is written.
+    fn first_alone(&mut self);
 
     /// Runs the test of one bed.
     ///
@@ -95,7 +94,12 @@ impl<S: Repeated> Specimens for Beds<'_, S> {
         recorder: &mut dyn Recorder,
     ) -> Result<Ending, SimulationError> {
         let seed = self.first_seed() + place.specimen as u64;
-        let own = self.0.of_one(seed, place.specimen == 0);
+        let mut own = self.0.clone();
+        match place.specimen {
+            0 => own.first_alone(),
+            // nobody sees pictures of others
+            _ => own.single(seed),
+        }
         own.run_one(context, recorder)
     }
 }

@@ -74,13 +74,8 @@ impl<A: Tabled + Serialize + Sync> Repeated for Ballast<A> {
         self.seed
     }
 
-    fn of_one(&self, seed: u64, is_first: bool) -> Self {
-        let mut own = self.clone();
-        (own.seed, own.repeats) = (seed, 1);
-        if !is_first {
-            own.output.snapshots = 0;
-        }
-        own
+    fn first_alone(&mut self) {
+        self.repeats = 1;
     }
 
     fn run_one(
