@@ -1,7 +1,9 @@
 //! JSON, read so that every error keeps its place and no key is given twice.
+use indexmap::IndexMap;
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::map::Entry;
+use serde_json::value::RawValue;
 use serde_json::{Map, Number, Value};
 
 use crate::SubmissionError;
@@ -211,12 +213,59 @@ pub(crate) fn typed<'de, T: Deserialize<'de>>(
     text: &'de [u8],
     prefix: &str,
 ) -> Result<T, SubmissionError> {
-    let mut reader = serde_json::Deserializer::from_slice(text);
-    serde_path_to_error::deserialize(&mut reader).map_err(|error| {
-        let place = format!("{prefix}{}", pointer(error.path()));
-        let detail = error.inner().to_string();
+    serde_json::from_slice(text).map_err(|error| {
+        let place = format!("{prefix}{}", place_at(text, end_of(text, &error)));
+        let detail = error.to_string();
+        // its line and column are those of the spec alone
+        let detail = detail
+            .rsplit_once(" at line ")
+            .map_or(&*detail, |(detail, _)| detail);
         SubmissionError::Invalid(vec![Violation::new(place, "wrong_type", detail)])
     })
+}
+
+/// Bytes of a text up to the end of what was refused, or into it: an array or object of which none is wanted is
+/// refused before it is read.
+fn end_of(text: &[u8], error: &serde_json::Error) -> usize {
+    let lines = text.split_inclusive(|byte| *byte == b'\n');
+    let before: usize = lines
+        .take(error.line().saturating_sub(1))
+        .map(<[u8]>::len)
+        .sum();
+    let read = before + error.column();
+    read + usize::from(matches!(text.get(read), Some(b'[' | b'{')))
+}
+
+/// The pointer of the innermost value of a JSON text that ends at so many bytes, or goes on there.
+///
+/// Types are read without a trace of where they are: one for each of them takes longer to compile than all
+/// else here.
+fn place_at(text: &[u8], end: usize) -> String {
+    let mut place = String::new();
+    let mut within = text;
+    while let Some((segment, value)) = entries(within).into_iter().find(|(_, value)| {
+        let from = value.get().as_ptr().addr() - text.as_ptr().addr();
+        from < end && end <= from + value.get().len()
+    }) {
+        place.push('/');
+        place.push_str(&segment);
+        within = value.get().as_bytes();
+    }
+    place
+}
+
+/// What an array or an object consists of: pieces of the text, each with its segment of a pointer.
+fn entries(text: &[u8]) -> Vec<(String, &RawValue)> {
+    if let Ok(fields) = serde_json::from_slice::<IndexMap<String, _>>(text) {
+        let fields = fields.into_iter();
+        fields.map(|(key, value)| (escape(&key), value)).collect()
+    } else if let Ok(list) = serde_json::from_slice::<Vec<_>>(text) {
+        let list = list.into_iter().enumerate();
+        list.map(|(index, value)| (index.to_string(), value))
+            .collect()
+    } else {
+        Vec::new()
+    }
 }
 
 fn pointer(path: &serde_path_to_error::Path) -> String {
@@ -269,6 +318,59 @@ mod tests {
         ] {
             let found = violations(text);
             assert!(found[0].detail.contains(word), "{found:?}");
+        }
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[allow(dead_code, reason = "it is read, and refused")]
+    struct Read {
+        #[serde(default, rename = "a/b~")]
+        counts: Vec<[u8; 2]>,
+        #[serde(default)]
+        one_of: Option<OneOf>,
+        #[serde(default)]
+        within: std::collections::BTreeMap<String, Option<Box<Read>>>,
+        #[serde(default)]
+        word: String,
+    }
+
+    #[derive(Debug, Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    #[allow(dead_code, reason = "it is read, and refused")]
+    enum OneOf {
+        Plain,
+        Share(f64),
+        Full { from: u32 },
+    }
+
+    #[test]
+    fn what_is_of_another_type_is_named_by_its_place() {
+        for (text, place) in [
+            ("7", ""),
+            (r#"{"word": 1}"#, "/word"),
+            (r#"{"word": true , "within": {}}"#, "/word"),
+            (
+                "{\n  \"within\": {\"word\": {\n\"word\":\t[ 1 ] }}\n}",
+                "/within/word/word",
+            ),
+            (r#"{"a/b~": [[1, 2], [3, 4.0]]}"#, "/a~1b~0/1/1"),
+            (r#"{"a/b~": [[1, 2], [3, 256], [7]]}"#, "/a~1b~0/1/1"),
+            (r#"{"a/b~": [[1, -2]]}"#, "/a~1b~0/0/1"),
+            (r#"{"a/b~": [[1]]}"#, "/a~1b~0/0"),
+            (r#"{"word": "}", "a/b~": [[1, 2, 3]]}"#, "/a~1b~0/0/2"),
+            (r#"{"one_of": {"share": "half"}}"#, "/one_of/share"),
+            (r#"{"one_of": {"full": {}}}"#, "/one_of/full"),
+            (r#"{"one_of": "other"}"#, "/one_of"),
+            (
+                r#"{"within": {"x": null, "\u00e9\"]": {"one_of": {"full": {"from": 1e3}}}}}"#,
+                "/within/é\"]/one_of/full/from",
+            ),
+        ] {
+            let found = typed::<Read>(text.as_bytes(), "/spec").expect_err(text);
+            let found = found.violations();
+            assert_eq!(found[0].pointer, format!("/spec{place}"), "{text}");
+            assert!(!found[0].detail.contains("column"), "{found:?}");
         }
     }
 }
