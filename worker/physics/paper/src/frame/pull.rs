@@ -14,6 +14,7 @@ use super::held::{Held, Means};
 use super::network::Network;
 use super::pulling::{Loads, Pulling, run};
 use super::state::{PullCost, PullState};
+use super::together::waits_to;
 
 /// Until when is pulled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,8 +23,9 @@ pub struct PullTest {
     pub max_strain: f64,
     /// It ends when an avalanche leaves this share of the largest force or less.
     pub stop_force_fraction: f64,
-    /// All that is within this share of its strength breaks together, but what has a neighbour that is more
-    /// overloaded by more than this share; 0: one by one. Parts break under that much less than their strength at most.
+    /// Where something is over its strength by this share, all breaks together that is, or is short of it by a
+    /// quarter of this share, but what has a neighbour that is more overloaded by more than this share; 0: one by
+    /// one.
     pub break_precision: f64,
 }
 
@@ -208,12 +210,13 @@ impl Pulling for Pull<'_> {
         let last = self.test.max_strain * length;
         let next = self.rest.critical();
         let at = next.map_or(f64::INFINITY, |critical| critical.factor);
-        if at > self.state.elongation_um {
+        let to = (at * waits_to(self.test.break_precision)).min(last);
+        if to > self.state.elongation_um || at > last {
             // nothing breaks at this elongation any more: an avalanche is over
             if self.state.measures.broken() > 0 && self.is_below_fraction() {
                 return Ok(self.end(PullEnd::ForceFraction));
             }
-            self.elongate(at.min(last));
+            self.elongate(to);
             if at > last {
                 return Ok(self.end(PullEnd::MaxStrain));
             }

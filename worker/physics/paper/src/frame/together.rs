@@ -1,18 +1,31 @@
 //! Which parts break with one solution.
 //!
-//! Of all that is at its strength, or short of it by the precision, a part breaks unless one of its fibres
-//! has another that is more overloaded by more than the precision: what a break sets free goes first
+//! Of all that is at its strength, or short of it by a quarter of the precision, a part breaks unless one of its
+//! fibres has another that is more overloaded by more than the precision: what a break sets free goes first
 //! to the parts along the fibres that it joined, so that those wait for what it leaves them with. Parts without
 //! a fibre in common do not wait for one another, and a large sheet takes hardly more solutions than a small one.
-//! Where nothing is over its strength no part waits.
+//!
+//! What is over its strength by less than the precision waits until more is: a sheet is elongated until its most
+//! loaded part is over by the precision, so that the few parts which a round of breaks leaves overloaded do not
+//! take a solution of their own. What breaks early makes a sheet weaker and what waits makes it stronger; at
+//! these shares the two make up for one another (`tests/figures paper_together paper_together_trusses`).
 use super::network::Network;
+
+/// What breaks early is short of its strength by this share of the precision at most.
+const EARLY: f64 = 0.25;
+
+/// The failure index up to which parts that are over their strength wait for a larger elongation: 1 where parts
+/// break one by one.
+pub(crate) fn waits_to(precision: f64) -> f64 {
+    1.0 + precision
+}
 
 /// Parts that break together, the most loaded first. `indices` are the failure indices of parts: 1 where they break.
 pub(crate) fn together(network: &Network, indices: &[(usize, f64)], precision: f64) -> Vec<usize> {
     let share = 1.0 - precision;
     let most = indices.iter().map(|(_, index)| *index).fold(0.0, f64::max);
     // what breaks first may be a hair below its strength by round-off
-    let least = share * most.min(1.0);
+    let least = (1.0 - EARLY * precision) * most.min(1.0);
     let mut breaking: Vec<(usize, f64)> = indices.to_vec();
     breaking.retain(|(_, index)| *index >= least && *index > 0.0);
     let mut largest = vec![0.0_f64; network.fibres()];

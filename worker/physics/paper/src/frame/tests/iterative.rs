@@ -177,7 +177,8 @@ fn parts_break_together_within_the_precision_and_the_energy_is_kept() {
     let (batches, measures) = run(0.2, &Means::default());
     assert!(batches.len() < one_by_one.len() && batches.iter().any(|batch| batch.len() > 1));
     assert!(measures.energy_error() < 1e-8, "{measures:?}");
-    close(measures.peak_force_mn, exact.peak_force_mn, 0.2);
+    // the first break, late by the precision, is the peak
+    close(measures.peak_force_mn, 1.2 * exact.peak_force_mn, 1e-9);
     let (fibres, bonds) = TINY.sheet();
     for event in batches.iter().flatten() {
         let index = match event.bore {
@@ -193,7 +194,7 @@ fn parts_break_together_within_the_precision_and_the_energy_is_kept() {
             }
             Bore::Segment { stress_gpa } => stress_gpa / fibres[0].section.strength_gpa.unwrap(),
         };
-        assert!(index >= 1.0 - 0.2 - 1e-12, "{index}");
+        assert!(index >= 1.0 - 0.05 - 1e-12, "{index}");
     }
     // iterations break the same together, up to where little is left
     let mut pull = Pull::resume(

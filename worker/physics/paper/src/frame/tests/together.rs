@@ -48,7 +48,7 @@ fn pulled(network: &Network, break_precision: f64) -> (Vec<Vec<usize>>, PullMeas
 }
 
 #[test]
-fn what_has_no_fibre_in_common_breaks_in_one_round_to_the_same_curve() {
+fn what_has_no_fibre_in_common_breaks_in_one_round_at_loads_that_are_larger_by_the_precision() {
     // the bonds of a joint share its force evenly, and are stiff beside the fibres: when the first has gone,
     // the second bears nearly twice as much, more than its 1.2 or 1.5 times the strength
     let network = joints(&[[1.0, 1.2], [1.0, 1.5], [6.0, 6.0]]);
@@ -56,14 +56,14 @@ fn what_has_no_fibre_in_common_breaks_in_one_round_to_the_same_curve() {
     assert_eq!(one_by_one.len(), 6);
     let (rounds, measures) = pulled(&network, PRECISION);
     assert_eq!(rounds[..2], [vec![0, 2], vec![1, 3]]);
-    for (found, expected) in [
-        (measures.peak_force_mn, exact.peak_force_mn),
-        (measures.strain_at_peak, exact.strain_at_peak),
-        (measures.work_to_peak_nj, exact.work_to_peak_nj),
-        (measures.work_nj, exact.work_nj),
-        (measures.released_nj, exact.released_nj),
+    for (found, expected, power) in [
+        (measures.peak_force_mn, exact.peak_force_mn, 1),
+        (measures.strain_at_peak, exact.strain_at_peak, 1),
+        (measures.work_to_peak_nj, exact.work_to_peak_nj, 2),
+        (measures.work_nj, exact.work_nj, 2),
+        (measures.released_nj, exact.released_nj, 2),
     ] {
-        close(found, expected, ROUND_OFF);
+        close(found, (1.0 + PRECISION).powi(power) * expected, ROUND_OFF);
     }
 }
 
@@ -93,8 +93,8 @@ fn parts_wait_by_fibres_and_by_the_precision() {
         let parts = together(&network, &indices, PRECISION);
         parts.iter().map(|part| part - bond(0)).collect()
     };
-    // nothing is over its strength: all that is near it, and no more
-    assert_eq!(broken([1.0, 0.96, 0.94, 0.3, 0.951, 0.0]), [0, 1, 4]);
+    // what is over its strength, or short of it by a quarter of the precision, and no more
+    assert_eq!(broken([1.04, 0.99, 0.987, 0.3, 0.988, 0.0]), [0, 1, 4]);
     // overloaded: of each joint the more overloaded, and what is within the precision of it
-    assert_eq!(broken([2.0, 1.5, 1.2, 1.15, 0.97, 0.5]), [0, 2, 3, 4]);
+    assert_eq!(broken([2.0, 1.5, 1.2, 1.15, 0.99, 0.5]), [0, 2, 3, 4]);
 }

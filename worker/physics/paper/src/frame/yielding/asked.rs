@@ -6,6 +6,7 @@ use super::super::events::{Broken, PullEnd, Step};
 use super::super::network::Network;
 use super::super::pulling::{Loads, Pulling};
 use super::super::state::{PullCost, PullState};
+use super::super::together::waits_to;
 use super::pull::{OVER, YieldingPull};
 
 impl Pulling for YieldingPull<'_> {
@@ -17,7 +18,7 @@ impl Pulling for YieldingPull<'_> {
             self.renew()?;
         }
         let (index, _) = self.loaded();
-        if index < 1.0 - OVER {
+        if index < waits_to(self.test.break_precision) * (1.0 - OVER) {
             // nothing breaks at this elongation any more: an avalanche is over
             if self.state.measures.broken() > 0 && self.is_below_fraction() {
                 return Ok(self.end(PullEnd::ForceFraction));

@@ -7,7 +7,7 @@ use super::super::pull::PullTest;
 use super::super::pulling::Pulling;
 use super::super::state::{Peak, PullCost, PullState, Yielded};
 use super::super::survey::breaks_at;
-use super::super::together::together;
+use super::super::together::{together, waits_to};
 use super::reach::{until_break, until_yield};
 use super::relax::{changes, relax};
 use super::strained::Strained;
@@ -25,7 +25,7 @@ const AT_ONCE: usize = 8;
 const ROUNDS: usize = 100_000;
 /// Refinements of forces that do not balance.
 const REFINEMENTS: usize = 4;
-/// An index this share below 1 is over its limit: of two that break together, round-off leaves one so.
+/// An index this share below its limit is over it: of two that break together, round-off leaves one so.
 pub(super) const OVER: f64 = 1e-10;
 /// Forces below this share of the largest that ever was are none.
 const NOTHING: f64 = 1e-9;
@@ -33,7 +33,7 @@ const NOTHING: f64 = 1e-9;
 /// A pull under way.
 #[derive(Debug)]
 pub(crate) struct YieldingPull<'n> {
-    test: PullTest,
+    pub(super) test: PullTest,
     pub(super) state: PullState,
     pub(super) strained: Strained<'n>,
     /// What 1 µm more does.
@@ -152,6 +152,7 @@ impl<'n> YieldingPull<'n> {
     /// The way to what happens next.
     fn next(&self) -> (f64, Next) {
         let network = self.network();
+        let waits_to = waits_to(self.test.break_precision);
         let mut first = (f64::INFINITY, Next::Nothing);
         for element in 0..network.elements().len() {
             let Some(rates) = self.rate.loads_of(element) else {
@@ -168,7 +169,7 @@ impl<'n> YieldingPull<'n> {
                     }
                 }
             }
-            let way = until_break(network, element, &loads, &rates);
+            let way = until_break(network, element, &loads, &rates, waits_to);
             if way < first.0 {
                 first = (way, Next::Breaks);
             }

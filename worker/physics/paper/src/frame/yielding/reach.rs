@@ -18,23 +18,25 @@ pub(super) fn until_yield(law: &Law, plastic: Plastic, force: f64, rate: f64) ->
     way.max(0.0)
 }
 
-/// Way until an element breaks, with its loads, within their limits, and their rates.
+/// Way until an element is at a failure index, with its loads, which are below it, and their rates.
 pub(super) fn until_break(
     network: &Network,
     element: usize,
     loads: &[f64; PARTS],
     rates: &[f64; PARTS],
+    failure_index: f64,
 ) -> f64 {
     let segments = network.segments();
     if element >= segments {
-        until_bond_breaks(loads, rates, network.strengths(element - segments))
+        let strengths = network.strengths(element - segments);
+        until_bond_breaks(loads, rates, strengths.map(|one| failure_index * one))
     } else {
-        until_fibre_breaks(
-            network.section_of(element),
-            network.model().level,
-            loads,
-            rates,
-        )
+        let section = network.section_of(element);
+        let Some(strength) = section.strength_gpa else {
+            return f64::INFINITY;
+        };
+        let level = network.model().level;
+        until_fibre_breaks(section, level, failure_index * strength, loads, rates)
     }
 }
 
@@ -68,12 +70,10 @@ fn until_bond_breaks(loads: &[f64; PARTS], rates: &[f64; PARTS], [normal, shear]
 fn until_fibre_breaks(
     section: &BeamSection,
     level: Level,
+    strength: f64,
     loads: &[f64; PARTS],
     rates: &[f64; PARTS],
 ) -> f64 {
-    let Some(strength) = section.strength_gpa else {
-        return f64::INFINITY;
-    };
     let left = strength - loads[0] / section.area_um2;
     let less = rates[0] / section.area_um2;
     if level == Level::Truss {
