@@ -213,15 +213,16 @@ pub(crate) fn typed<'de, T: Deserialize<'de>>(
     text: &'de [u8],
     prefix: &str,
 ) -> Result<T, SubmissionError> {
-    serde_json::from_slice(text).map_err(|error| {
-        let place = format!("{prefix}{}", place_at(text, end_of(text, &error)));
-        let detail = error.to_string();
-        // its line and column are those of the spec alone
-        let detail = detail
-            .rsplit_once(" at line ")
-            .map_or(&*detail, |(detail, _)| detail);
-        SubmissionError::Invalid(vec![Violation::new(place, "wrong_type", detail)])
-    })
+    serde_json::from_slice(text).map_err(|error| refused(text, prefix, &error))
+}
+
+fn refused(text: &[u8], prefix: &str, error: &serde_json::Error) -> SubmissionError {
+    let place = format!("{prefix}{}", place_at(text, end_of(text, error)));
+    let detail = error.to_string();
+    // its line and column are those of the spec alone
+    let told = detail.rsplit_once(" at line ");
+    let detail = told.map_or(&*detail, |(detail, _)| detail);
+    SubmissionError::Invalid(vec![Violation::new(place, "wrong_type", detail)])
 }
 
 /// Bytes of a text up to the end of what was refused, or into it: an array or object of which none is wanted is

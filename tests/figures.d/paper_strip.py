@@ -1,8 +1,10 @@
 """How a small sheet stands for a strip of the standard: what its width and the distance of its jaws do to the paper tensile test."""
 
 import math
+from functools import partial
 from pathlib import Path
 from statistics import NormalDist
+from typing import NamedTuple
 
 from measuring import run
 from paper import softwood
@@ -20,11 +22,24 @@ LENGTHS, WIDTH = (1, 2, 4, 8), 0.5
 WIDER = 4
 
 
-def sheet(length: float, width: float) -> dict:
-    body = softwood(pulp__0__length_mm=FIBRE, test__repeats=SEEDS, test__stop_force_fraction=0.9)
+class Fibres(NamedTuple):
+    """How fibres are modelled, and how finely they break; whether the whole strip is pulled as well."""
+
+    model: dict
+    precision: float
+    is_whole: bool
+
+
+BEAMS = Fibres({"level": "beam"}, 0.1, is_whole=False)
+TRUSSES = Fibres({"level": "truss", "taut_strain": 1e-4}, 0.2, is_whole=True)
+
+
+def sheet(fibres: Fibres, length: float, width: float, seeds: int = SEEDS) -> dict:
+    body = softwood(pulp__0__length_mm=FIBRE, test__repeats=seeds, test__stop_force_fraction=0.9)
     spec = body["spec"]
     spec["specimen"] = {"sheet": {"length_mm": length, "width_mm": width, "grammage_g_per_m2": 60}}
-    spec["accuracy"] = {"segment_widths": 4, "bonds_at": "inside", "break_precision": 0.1}
+    spec["model"] = fibres.model
+    spec["accuracy"] = {"segment_widths": 4, "bonds_at": "inside", "break_precision": fibres.precision}
     return body
 
 
@@ -38,9 +53,12 @@ def sizes() -> list[tuple[float, float]]:
     return sorted(all_of_them, key=lambda size: size[0] * size[1])
 
 
-def measure(folder: Path) -> dict:
+def measure(fibres: Fibres, folder: Path) -> dict:
     for length, width in sizes():
-        outcome = run(sheet(length, width), place(folder, length, width))
+        outcome = run(sheet(fibres, length, width), place(folder, length, width))
+    if fibres.is_whole:
+        width, length = STRIP
+        outcome = run(sheet(fibres, length, width, seeds=1), place(folder, length, width), threads=2)
     return {"commit": outcome["provenance"]["engine_commit"]}
 
 
@@ -90,34 +108,45 @@ def strip(folder: Path) -> tuple[float, float]:
     return index, stiff * (1 - lost / STRIP[0])
 
 
-def rows(folder: Path) -> list[list[str]]:
-    table = [["jaws apart", "width", "sheets", "fibres", "bonds", "tensile index [N m/g]", "reckoned", "stiffness index [kN m/g]", "stretch", "processor time of a sheet"]]
+def rows(fibres: Fibres, folder: Path) -> list[list[str]]:
+    table = [["jaws apart", "width", "sheets", "fibres", "bonds", "tensile index [N m/g]", "reckoned", "stiffness index [kN m/g]", "reckoned", "stretch",
+              "processor time of a sheet"]]
     link = known(folder, LENGTH, WIDTH, "tensile_index")
     whole, lost, error = by_edges(folder, "tensile_index")
     for length, width in sorted(sizes(), key=lambda size: (size[0] != LENGTH, size)):
-        outcome = outcome_of(place(folder, length, width))
-        summary = outcome["summary"]
-        index, stiff = summary["tensile_index"], summary["tensile_stiffness_index"]
         reckoned = ""
         if length > LENGTH:
             reckoned = f"{link['value'] - weakest(length // LENGTH) * link['deviation']:.2f}"
         elif width == WIDER:
             reckoned = f"{whole * (1 - lost / width):.2f}"
-        table.append([
-            f"{length:g} mm", f"{width:g} mm", str(SEEDS), grouped(summary["fibres"]["value"]), grouped(summary["bonds"]["value"]),
-            scattered(index), reckoned, scattered(stiff), f"{100 * summary['stretch']['value']:.2f} %",
-            seconds(outcome["cost"]["cpu_s"] / SEEDS)])
-    index, stiff = strip(folder)
-    table.append([f"{STRIP[1]} mm", f"{STRIP[0]} mm", "none", "", "", "", f"{index:.2f}", f"{stiff:.2f} (reckoned)", "", ""])
-    table.append(["lost at the edges, d", f"{lost:.3f} ± {error:.3f} mm", *[""] * 8])
+        table.append(row(folder, (length, width), SEEDS, reckoned, ""))
+    width, length = STRIP
+    reckoned = [f"{of_strip:.2f}" for of_strip in strip(folder)]
+    if fibres.is_whole:
+        table.append(row(folder, (length, width), 1, *reckoned))
+    else:
+        table.append([f"{length} mm", f"{width} mm", "none", "", "", "", reckoned[0], "", reckoned[1], "", ""])
+    table.append(["lost at the edges, d", f"{lost:.3f} ± {error:.3f} mm", *[""] * 9])
     return table
+
+
+def row(folder: Path, size: tuple[float, float], sheets: int, index: str, stiffness: str) -> list[str]:
+    """What was pulled, beside what was reckoned of it."""
+    outcome = outcome_of(place(folder, *size))
+    summary = outcome["summary"]
+    return [
+        *(f"{one:g} mm" for one in size), str(sheets), grouped(summary["fibres"]["value"]), grouped(summary["bonds"]["value"]),
+        scattered(summary["tensile_index"]), index, scattered(summary["tensile_stiffness_index"]), stiffness,
+        f"{100 * summary['stretch']['value']:.2g} %", seconds(outcome["cost"]["cpu_s"] / sheets)]
 
 
 def scattered(result: dict) -> str:
     """Of several sheets with their standard deviation."""
-    return f"{result['value']:.2f} (scatter {result['deviation']:.2f})"
+    scatter = f" (scatter {result['deviation']:.2f})" if "deviation" in result else ""
+    return f"{result['value']:.2f}{scatter}"
 
 
 TABLES = {
-    "paper_strip": Table("30 min of processor time", measure, rows),
+    "paper_strip": Table("30 min of processor time", partial(measure, BEAMS), partial(rows, BEAMS)),
+    "paper_strip_trusses": Table("3 hours of processor time, 10 GB", partial(measure, TRUSSES), partial(rows, TRUSSES)),
 }

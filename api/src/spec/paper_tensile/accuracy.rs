@@ -20,9 +20,10 @@ pub struct Knobs {
     pub segment_widths: f64,
     /// Of sheets: where bonds hold their fibres.
     pub bonds_at: BondsAt,
-    /// Of sheets: parts whose failure index is 1 or short of it by at most this break together, but for
-    /// those that have a part on one of their fibres whose index is larger by more than this share; 0: one
-    /// by one. The failure index is the load over what breaks the part.
+    /// Of sheets: once the failure index of a part is over 1 by this, parts break together that are over 1, or
+    /// short of it by at most a quarter of this, but for those that have a part on one of their fibres whose
+    /// index is larger by more than this share; 0: one by one, at 1. The failure index is the load over what
+    /// breaks the part.
     #[schemars(range(min = 0.0, max = 0.5), extend("x-unit" = "1"))]
     pub break_precision: f64,
 }

@@ -43,13 +43,13 @@ const WITH_FACTOR: f64 = 12.0;
 const OF_TRUSS: f64 = 14.0;
 const OF_TAUT_TRUSS: f64 = 4.0;
 const POWER_OF_TAUT: f64 = 0.19;
-const UNKNOWN: f64 = 10.0;
-const BOND: f64 = 28.0;
+const UNKNOWN: f64 = 21.0;
+const BOND: f64 = 59.0;
 const ENTRY: f64 = 0.33;
-/// What is left of these in single precision, and of bars, which do not turn: a truss of 166 000 unknowns and one of
-/// 655 000 took 0.13 and 0.20 of it.
+/// What is left of these in single precision, and of bars, which do not turn: trusses of 28 000 to 655 000 unknowns
+/// took 0.12 to 0.36 of it, the more the less of them the caches of the processor hold.
 const SINGLE: f64 = 0.38;
-const OF_BARS: f64 = 0.18;
+const OF_BARS: f64 = 0.21;
 /// Where fibres yield there are so many yields for every break, each of which costs a break's solution and
 /// takes a look at all elements. Not measured yet.
 const YIELDS: f64 = 10.0;

@@ -82,27 +82,31 @@ fn a_bar_goes_along_two_lines_and_unloads_along_the_first() {
 }
 
 #[test]
-fn a_bar_that_yields_breaks_at_its_strength() {
-    let mut bar = yielding(&[[0.0; 3], [100.0, 0.0, 0.0]], 0.3, 3.0);
-    bar.section.strength_gpa = Some(0.4);
-    let network = Network::new(&[bar], &[], model(Level::Beam, 100.0)).unwrap();
-    let mut pull = started(&network, to(0.5));
-    let (events, end) = run(pull.as_mut()).unwrap();
-    assert_eq!((events.len(), end), (1, PullEnd::Parted));
-    close(events[0].strain, 0.3 / E + 0.1 / 3.0, ROUND_OFF);
-    close(events[0].force_before_mn, 0.4 * area(), ROUND_OFF);
-    let Bore::Segment { stress_gpa } = events[0].bore else {
-        panic!("a segment broke");
-    };
-    close(stress_gpa, 0.4, ROUND_OFF);
-    // the elastic part is set free, the rest is lost
-    close(
-        events[0].energy_released_nj,
-        0.5 * 0.4 * 0.4 / E * 100.0 * area(),
-        ROUND_OFF,
-    );
-    assert!(pull.state().measures.energy_error() < ROUND_OFF);
-    assert!(pull.is_broken(Broken::Segment(0)));
+fn a_bar_that_yields_breaks_at_its_strength_or_over_it_by_the_precision() {
+    for break_precision in [0.0, 0.1] {
+        let mut bar = yielding(&[[0.0; 3], [100.0, 0.0, 0.0]], 0.3, 3.0);
+        bar.section.strength_gpa = Some(0.4);
+        let network = Network::new(&[bar], &[], model(Level::Beam, 100.0)).unwrap();
+        let test = PullTest {
+            break_precision,
+            ..to(0.5)
+        };
+        let mut pull = started(&network, test);
+        let (events, end) = run(pull.as_mut()).unwrap();
+        assert_eq!((events.len(), end), (1, PullEnd::Parted));
+        let at = 0.4 * (1.0 + break_precision);
+        close(events[0].strain, 0.3 / E + (at - 0.3) / 3.0, ROUND_OFF);
+        close(events[0].force_before_mn, at * area(), ROUND_OFF);
+        let Bore::Segment { stress_gpa } = events[0].bore else {
+            panic!("a segment broke");
+        };
+        close(stress_gpa, at, ROUND_OFF);
+        // the elastic part is set free, the rest is lost
+        let elastic = 0.5 * at * at / E * 100.0 * area();
+        close(events[0].energy_released_nj, elastic, ROUND_OFF);
+        assert!(pull.state().measures.energy_error() < ROUND_OFF);
+        assert!(pull.is_broken(Broken::Segment(0)));
+    }
 }
 
 #[test]
