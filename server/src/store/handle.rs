@@ -14,7 +14,7 @@ use super::pulses::Pulses;
 use super::reserve::{self, Reserve};
 use super::supervision::Restarts;
 use super::types::StoreOptions;
-use super::writer::{Change, Size, Work, Writer};
+use super::writer::{Answer, Change, Run, Size, Work, Writer, boxed, unboxed};
 
 /// The store; a clone is another handle on the same one. What is changed through a handle is written
 /// down as done by its actor, if it has one.
@@ -102,7 +102,7 @@ impl Store {
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
         reserve::admit(&self.0.reserve)?;
-        self.write_from_reserve(command).await
+        unboxed(self.write_sized(Size::Usual, boxed(command)).await?)
     }
 
     /// Writes what frees or saves something (a cancel, a heartbeat, an end), whatever room there is.
@@ -111,7 +111,7 @@ impl Store {
         T: Send + 'static,
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
-        self.write_sized(Size::Usual, command).await
+        unboxed(self.write_sized(Size::Usual, boxed(command)).await?)
     }
 
     /// [`Self::write`] of what may change all jobs there are.
@@ -121,19 +121,11 @@ impl Store {
         F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
     {
         reserve::admit(&self.0.reserve)?;
-        self.write_sized(Size::Large, command).await
+        unboxed(self.write_sized(Size::Large, boxed(command)).await?)
     }
 
-    async fn write_sized<T, F>(&self, size: Size, command: F) -> Result<T>
-    where
-        T: Send + 'static,
-        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
-    {
-        let actor = self.1.clone();
-        let written = self.0.writer.write(size, move |change| {
-            change.actor = actor;
-            command(change)
-        });
+    async fn write_sized(&self, size: Size, run: Run) -> Result<Answer> {
+        let written = self.0.writer.write(size, self.1.clone(), run);
         written.await.map_err(
             |error| match (self.0.reserve.note(error), self.0.reserve.full()) {
                 // the transaction it was in did not fit

@@ -11,6 +11,7 @@
 //! as often as it takes, and the task goes on.
 //!
 //! One file, long as it is: what stays, what is told and what is answered are only right in the task's order.
+use std::any::Any;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -37,11 +38,29 @@ const LONG_WAIT: Duration = Duration::from_secs(1);
 /// A future of a command, which borrows the change it works on.
 pub(super) type Work<'c, T> = Pin<Box<dyn Future<Output = Result<T>> + Send + 'c>>;
 
-type Deliver = Box<dyn FnOnce() + Send>;
-type Run = Box<
-    dyn for<'c> FnOnce(&'c mut Change) -> Pin<Box<dyn Future<Output = CommandEnd> + Send + 'c>>
-        + Send,
->;
+/// What a command returns, whatever it is: there is one road for all, not one compiled for each.
+pub(super) type Answer = Box<dyn Any + Send>;
+
+/// A command that returns an [`Answer`].
+pub(super) type Run = Box<dyn for<'c> FnOnce(&'c mut Change) -> Work<'c, Answer> + Send>;
+
+/// A command as the writer takes it.
+pub(super) fn boxed<T, F>(command: F) -> Run
+where
+    T: Send + 'static,
+    F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
+{
+    Box::new(move |change| {
+        let work = command(change);
+        Box::pin(async move { Ok(Box::new(work.await?) as Answer) })
+    })
+}
+
+/// What the command of [`boxed`] returned.
+pub(super) fn unboxed<T: 'static>(answer: Answer) -> Result<T> {
+    let answer = answer.downcast();
+    answer.map_or(Err(StoreError::Unavailable), |value| Ok(*value))
+}
 
 /// How much a command changes at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,13 +74,15 @@ pub(super) enum Size {
 /// What somebody wants to be done in a transaction.
 struct Command {
     run: Run,
+    actor: Option<Arc<Actor>>,
     size: Size,
+    answer: oneshot::Sender<Result<Answer>>,
 }
 
-/// A command that has run: whether its changes are to stay, and how to answer once they are safe.
-struct CommandEnd {
-    stays: bool,
-    deliver: Deliver,
+/// A command that has run, to be answered once its changes are safe.
+struct Ended {
+    answer: oneshot::Sender<Result<Answer>>,
+    result: Result<Answer>,
 }
 
 /// The change that commands work on: the connection, and what is to follow the commit.
@@ -111,7 +132,28 @@ impl EventType {
     }
 }
 
+impl Ended {
+    /// Answers, if anybody still waits.
+    fn tell(self) {
+        let _ = self.answer.send(self.result);
+    }
+}
+
 impl Change {
+    /// Runs a command; whether its changes are to stay.
+    async fn run(&mut self, command: Command, answers: &mut Vec<Ended>) -> bool {
+        let answer = command.answer;
+        if answer.is_closed() {
+            return false;
+        }
+        self.actor = command.actor;
+        let result = (command.run)(self).await;
+        self.full = result.as_ref().err().and_then(told_full);
+        let stays = result.is_ok();
+        answers.push(Ended { answer, result });
+        stays
+    }
+
     /// Notes that a job has changed. The event's number becomes the version of the job.
     pub(super) async fn event(&mut self, job: Uuid, kind: EventType) -> Result<()> {
         self.event_after(Vec::new(), job, kind).await?;
@@ -218,30 +260,20 @@ impl Writer {
     /// # Errors
     /// Those of the command, whose changes are then undone; [`StoreError::Unavailable`] when the
     /// transaction could not be committed.
-    pub(super) async fn write<T, F>(&self, size: Size, command: F) -> Result<T>
-    where
-        T: Send + 'static,
-        F: for<'c> FnOnce(&'c mut Change) -> Work<'c, T> + Send + 'static,
-    {
-        let (answer, answered) = oneshot::channel::<Result<T>>();
-        let run: Run = Box::new(move |change| {
-            Box::pin(async move {
-                if answer.is_closed() {
-                    return CommandEnd {
-                        stays: false,
-                        deliver: Box::new(|| {}),
-                    };
-                }
-                let result = command(change).await;
-                change.full = result.as_ref().err().and_then(told_full);
-                CommandEnd {
-                    stays: result.is_ok(),
-                    deliver: Box::new(move || drop(answer.send(result))),
-                }
-            })
-        });
+    pub(super) async fn write(
+        &self,
+        size: Size,
+        actor: Option<Arc<Actor>>,
+        run: Run,
+    ) -> Result<Answer> {
+        let (answer, answered) = oneshot::channel();
+        let command = Command {
+            run,
+            actor,
+            size,
+            answer,
+        };
         let gone = |_| StoreError::Unavailable;
-        let command = Command { run, size };
         self.commands.send(command).await.map_err(gone)?;
         answered.await.unwrap_or(Err(StoreError::Unavailable))
     }
@@ -271,7 +303,7 @@ async fn run(
         let is_usable = match committed {
             Ok(Ok(effects)) => {
                 announcements.announce(effects);
-                answers.into_iter().for_each(|deliver| deliver());
+                answers.into_iter().for_each(Ended::tell);
                 continue;
             }
             Ok(Err(error)) => {
@@ -318,7 +350,7 @@ async fn commit(
     change: &mut Change,
     batch: impl Iterator<Item = Command>,
     has_large: bool,
-    answers: &mut Vec<Deliver>,
+    answers: &mut Vec<Ended>,
     server: Uuid,
 ) -> Result<Effects> {
     let mut effects = Effects::default();
@@ -340,8 +372,7 @@ async fn commit(
             change.connection.run(begin).await?;
         }
         change.now = change.clock.now();
-        let CommandEnd { stays, deliver } = (command.run)(change).await;
-        answers.push(deliver);
+        let stays = change.run(command, answers).await;
         if change.full.is_some() {
             // the database may have undone the whole transaction by itself: nothing of it is kept
             return Err(StoreError::Full);
