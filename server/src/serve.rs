@@ -1,5 +1,6 @@
 //! A server's life: open the store, bind, answer until told to stop.
 use std::net::SocketAddr;
+use std::pin::Pin;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -39,10 +40,28 @@ pub enum ServeError {
 ///
 /// # Errors
 /// [`ServeError`] when the store cannot be opened or the address is taken.
-pub async fn serve(
+pub fn serve<'a>(
     config: ServeConfig,
-    ready: impl FnOnce(SocketAddr),
-    shutdown: impl Future<Output = ()>,
+    ready: impl FnOnce(SocketAddr) + 'a,
+    shutdown: impl Future<Output = ()> + 'a,
+) -> impl Future<Output = Result<(), ServeError>> {
+    serving(config, Box::new(ready), Box::pin(shutdown))
+}
+
+/// A server's life. Boxed here, it is compiled once and not again in everything that serves.
+type Serving<'a> = Pin<Box<dyn Future<Output = Result<(), ServeError>> + 'a>>;
+
+type Ready<'a> = Box<dyn FnOnce(SocketAddr) + 'a>;
+type Shutdown<'a> = Pin<Box<dyn Future<Output = ()> + 'a>>;
+
+fn serving<'a>(config: ServeConfig, ready: Ready<'a>, shutdown: Shutdown<'a>) -> Serving<'a> {
+    Box::pin(serve_until(config, ready, shutdown))
+}
+
+async fn serve_until(
+    config: ServeConfig,
+    ready: Ready<'_>,
+    shutdown: Shutdown<'_>,
 ) -> Result<(), ServeError> {
     let store_error = |source| ServeError::Store {
         data: config.store.data.display().to_string(),

@@ -1,5 +1,6 @@
 //! A worker process: claims one lease after the other until it is told to stop.
 use std::path::PathBuf;
+use std::pin::Pin;
 use std::time::{Duration, Instant};
 
 use loadframe_api::worker::{ClaimRequest, Lease};
@@ -130,7 +131,12 @@ impl Worker {
     ///
     /// # Errors
     /// [`WorkerError::Server`] when the server refuses claims for good.
-    pub async fn work(self) -> Result<WorkerEnd, WorkerError> {
+    pub fn work(self) -> Pin<Box<dyn Future<Output = Result<WorkerEnd, WorkerError>> + Send>> {
+        // boxed, it is compiled once and not again in everything that works
+        Box::pin(self.work_on())
+    }
+
+    async fn work_on(self) -> Result<WorkerEnd, WorkerError> {
         let shutdown = &self.context.shutdown;
         let is_over = CancellationToken::new();
         if let Some(end) = self.end {

@@ -1,6 +1,7 @@
 //! Opening the store.
 use std::fs::{File, TryLockError};
 use std::path::Path;
+use std::pin::Pin;
 use std::sync::{Arc, Mutex};
 
 use tokio::sync::{OnceCell, mpsc, watch};
@@ -34,7 +35,12 @@ impl Store {
     /// # Errors
     /// [`StoreError::InUse`] when another server has the folder; [`StoreError::NotTogether`] when the
     /// database and the files are not those of one store; file and database errors.
-    pub async fn open(options: StoreOptions) -> Result<Self> {
+    pub fn open(options: StoreOptions) -> Pin<Box<dyn Future<Output = Result<Self>> + Send>> {
+        // boxed, it is compiled once and not again in everything that opens a store
+        Box::pin(Self::open_alone(options))
+    }
+
+    async fn open_alone(options: StoreOptions) -> Result<Self> {
         private_folder(&options.data)?;
         if matches!(options.database, DatabasePlace::Folder) {
             refuse_network(&options.data)?;
