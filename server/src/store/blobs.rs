@@ -4,7 +4,8 @@
 //! A file arrives under a temporary name on this machine (a small one: in memory), is hashed on its way, made
 //! durable, and put in its place, durably; only then may a row name it. Between that and the commit of the
 //! row the bytes look forgotten, so whoever stores a file holds a [`FileGuard`] until its row is safe,
-//! and the collector removes nothing while anybody does.
+//! and the collector removes nothing while anybody does. Whatever becomes of the sender meanwhile (a request
+//! ends with its connection), the bytes get their place or none, and the collector hears of what got no row.
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -43,9 +44,30 @@ pub(super) struct Blobs {
     verified: Arc<Mutex<BTreeMap<String, (Instant, Found)>>>,
 }
 
-/// While it lives, no file is removed: not by this server, and by no other on the database.
+/// While it lives, no file is removed: not by this server, and by no other on the database. Dropped before
+/// its file is [`Self::named`], it has the collector look at the file.
 #[derive(Debug)]
-pub(super) struct FileGuard(#[allow(dead_code)] (OwnedRwLockReadGuard<()>, Held));
+pub(super) struct FileGuard {
+    unnamed: Option<(String, mpsc::UnboundedSender<Garbage>)>,
+    #[allow(dead_code)]
+    held: (OwnedRwLockReadGuard<()>, Held),
+}
+
+impl FileGuard {
+    /// The row that names the file is safe.
+    pub(super) fn named(mut self) {
+        self.unnamed = None;
+    }
+}
+
+impl Drop for FileGuard {
+    fn drop(&mut self) {
+        if let Some((sha256, garbage)) = self.unnamed.take() {
+            // without a collector the store is closing, and the next start collects
+            let _ = garbage.send(Garbage::Perhaps(vec![sha256]));
+        }
+    }
+}
 
 impl Blobs {
     /// Prepares the place of files, and the folder in `data` for those on their way to it.
@@ -123,23 +145,29 @@ impl Blobs {
         }
     }
 
-    /// Puts a received file in its place. It stays there while the [`FileGuard`] is held.
+    /// Puts a received file in its place, even when nobody waits for it any more. It stays there while the
+    /// [`FileGuard`] is held.
     pub(super) async fn keep(&self, received: Received) -> Result<FileGuard> {
+        let blobs = self.clone();
+        to_the_end(async move { blobs.place(received).await }).await
+    }
+
+    async fn place(&self, received: Received) -> Result<FileGuard> {
+        let (sha256, bytes) = (received.sha256.clone(), received.bytes);
         match &self.storage {
             Storage::Folder(folder) => {
-                let guard = self.guard().await?;
+                let guard = self.guard(&sha256).await?;
                 folder.keep(received, &self.incoming.folder).await?;
                 Ok(guard)
             }
             Storage::Bucket(bucket) => {
-                let (sha256, bytes) = (received.sha256.clone(), received.bytes);
                 let path = self.incoming.on_disk(received).await?;
                 // sending takes a while, in which the collector has no need to wait; when it does, the
                 // object is looked at again
                 if self.verified(&sha256, bytes).await?.is_err() {
                     bucket.place_file(&sha256, bytes, &path).await?;
                 }
-                let guard = self.guard().await?;
+                let guard = self.guard(&sha256).await?;
                 if self.verified(&sha256, bytes).await?.is_err() {
                     bucket.place_file(&sha256, bytes, &path).await?;
                     let again = self.verified(&sha256, bytes).await?;
@@ -150,10 +178,12 @@ impl Blobs {
         }
     }
 
-    /// Keeps the collector from its work.
-    pub(super) async fn guard(&self) -> Result<FileGuard> {
+    /// Keeps the collector from its work until the file has a row, or will get none.
+    pub(super) async fn guard(&self, sha256: &str) -> Result<FileGuard> {
         let here = self.in_use.clone().read_owned().await;
-        Ok(FileGuard((here, self.sharing.storing_a_file().await?)))
+        let held = (here, self.sharing.storing_a_file().await?);
+        let unnamed = Some((sha256.to_owned(), self.garbage.clone()));
+        Ok(FileGuard { unnamed, held })
     }
 
     /// Holds a stored file against its name and sets it aside if it is another; tells what is wrong.
@@ -217,12 +247,6 @@ impl Blobs {
         let _ = self.garbage.send(Garbage::PerhapsAny);
     }
 
-    /// Reports files that may be named by no row.
-    pub(super) fn report_unnamed(&self, names: Vec<String>) {
-        // without a collector the store is closing, and the next start collects
-        let _ = self.garbage.send(Garbage::Perhaps(names));
-    }
-
     /// Waits until what was reported as garbage before is removed.
     pub(super) async fn collected(&self) {
         let (done, wait) = oneshot::channel();
@@ -251,6 +275,18 @@ impl Blobs {
             restarts,
         }
     }
+}
+
+/// Works on when the caller has gone.
+pub(super) async fn to_the_end<T: Send + 'static>(
+    work: impl Future<Output = Result<T>> + Send + 'static,
+) -> Result<T> {
+    let worked = tokio::spawn(work).await;
+    worked.unwrap_or_else(|error| match error.try_into_panic() {
+        Ok(panic) => std::panic::resume_unwind(panic),
+        // the runtime ends
+        Err(_) => Err(StoreError::Unavailable),
+    })
 }
 
 /// Refuses what is no SHA-256.

@@ -128,15 +128,15 @@ impl Store {
         guard: FileGuard,
     ) -> Result<CheckpointInfo> {
         let (row, lease) = (query.clone(), self.lease_millis());
-        let written = self
+        let (info, guard) = self
             .write(move |change| {
                 Box::pin(async move {
                     let info = change.set_checkpoint(key, lease, &row, bytes).await?;
                     Ok((info, guard))
                 })
             })
-            .await;
-        let (info, _) = self.undo_unless_written(&query.sha256, written)?;
+            .await?;
+        guard.named();
         Ok(info)
     }
 

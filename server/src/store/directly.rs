@@ -4,7 +4,7 @@ use loadframe_api::worker::{CheckpointQuery, UploadedPart};
 use loadframe_api::{FileEntry, check_file_name};
 use loadframe_client::direct::{Becomes, DirectEnd, DirectRequest, DirectUpload};
 
-use super::blobs::check_sha256;
+use super::blobs::{check_sha256, to_the_end};
 use super::bucket::direct::{PART, Together};
 use super::checkpoints::{LARGEST_CHECKPOINT, check_times};
 use super::error::{Result, StoreError};
@@ -52,11 +52,22 @@ impl Store {
     }
 
     /// Puts the parts together, holds the content against its SHA-256 by reading it back, and makes it what
-    /// it is to be; no bytes are kept when it has to be sent anew. The same message may be repeated.
+    /// it is to be, even when nobody waits for it any more; no bytes are kept when it has to be sent anew. The
+    /// same message may be repeated.
     ///
     /// # Errors
     /// [`StoreError::LeaseLost`]; [`StoreError::Invalid`] for a bad name or another content; the bucket's.
     pub async fn end_direct(
+        &self,
+        key: LeaseKey,
+        sha256: &str,
+        end: DirectEnd,
+    ) -> Result<UploadedPart> {
+        let (store, sha256) = (self.clone(), sha256.to_owned());
+        to_the_end(async move { store.put_together(key, &sha256, end).await }).await
+    }
+
+    async fn put_together(
         &self,
         key: LeaseKey,
         sha256: &str,
@@ -85,7 +96,7 @@ impl Store {
             Together::There(None) => {}
             Together::Gone => return Ok(UploadedPart { bytes: 0 }),
         }
-        let guard = self.blobs().guard().await?;
+        let guard = self.blobs().guard(sha256).await?;
         // what the collector removed just before is sent again
         if self.blobs().verified(sha256, end.bytes).await?.is_err() {
             return Ok(UploadedPart { bytes: 0 });

@@ -71,16 +71,15 @@ impl Store {
         guard: FileGuard,
     ) -> Result<()> {
         let (row, lease) = (entry.clone(), self.lease_millis());
-        // a refused upload may have left bytes that no row names
-        let written = self
+        let guard = self
             .write(move |change| {
                 Box::pin(async move {
                     change.add_file(key, lease, &row).await?;
                     Ok(guard)
                 })
             })
-            .await;
-        self.undo_unless_written(&entry.sha256, written)?;
+            .await?;
+        guard.named();
         Ok(())
     }
 
@@ -185,14 +184,6 @@ impl Store {
         let mut connection = self.lookups().acquire().await?;
         LeasedAttempt::live(&mut connection, key).await?;
         Ok(())
-    }
-
-    /// Bytes whose row was refused are named by nothing: the collector shall look at them.
-    pub(super) fn undo_unless_written<T>(&self, sha256: &str, written: Result<T>) -> Result<T> {
-        if written.is_err() {
-            self.blobs().report_unnamed(vec![sha256.to_owned()]);
-        }
-        written
     }
 }
 

@@ -79,6 +79,41 @@ async fn what_does_not_arrive_whole_and_right_leaves_nothing() {
     assert_eq!((lab.blobs().await, incoming(&lab)), (0, 0));
 }
 
+/// A request ends with its connection, whatever it was about: a file without a row goes.
+#[tokio::test]
+async fn an_upload_may_be_broken_off_at_any_moment_and_leaves_nothing() {
+    let lab = Lab::open(LONG).await;
+    let id = lab.submit().await;
+    let lease = lab.lease().await;
+    let (mut moments, mut ended) = (0, 0);
+    while ended < 3 {
+        let content = format!("content {moments}");
+        let (name, sha256) = (format!("{moments}.txt"), sha256_hex(content.as_bytes()));
+        let mut upload = Box::pin(lab.upload(key(&lease), &name, &sha256, content.as_bytes()));
+        for _ in 0..moments {
+            if futures_util::poll!(&mut upload).is_ready() {
+                ended += 1;
+                break;
+            }
+            tokio::time::sleep(std::time::Duration::from_micros(50)).await;
+        }
+        moments += 1;
+    }
+    assert!(moments > 4, "{moments}");
+    lab.release(key(&lease), ReleaseReason::Shutdown)
+        .await
+        .unwrap();
+    lab.delete(id).await.unwrap();
+    // what was begun goes on to its end, and is then let go of
+    for _ in 0..500 {
+        if lab.blobs().await == 0 {
+            break;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(20)).await;
+    }
+    assert_eq!((lab.blobs().await, incoming(&lab)), (0, 0));
+}
+
 #[tokio::test]
 async fn an_attempt_that_ends_without_a_result_leaves_only_its_checkpoint() {
     let lab = Lab::open(LONG).await;

@@ -18,11 +18,6 @@ use super::survey::{Critical, breaks_at};
 use super::together::together;
 use super::tubes::PointSprings;
 
-/// Errors of what breaks next are at most this share of the precision with which it is asked.
-const OF_PRECISION: f64 = 0.1;
-/// Where parts break one by one, failure indices are known to this share.
-const ONE_BY_ONE: f64 = 1e-7;
-
 /// How equilibrium is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Solver {
@@ -109,7 +104,7 @@ impl<'n> Held<'n> {
             return Ok(Self::Direct(Box::new(found)));
         }
         let start = Start {
-            tolerance: (OF_PRECISION * break_precision).max(ONE_BY_ONE),
+            break_precision,
             is_grouped: has_rigid_groups(network.taut_strain(), break_precision),
             motion,
         };
@@ -210,7 +205,15 @@ impl<'n> Held<'n> {
         }
     }
 
-    /// Estimated error of the failure index of what breaks next, over itself; none of a factor, whose
+    /// Error of failure indices that is allowed.
+    pub(crate) fn index_limit(&self) -> f64 {
+        match self {
+            Self::Direct(_) | Self::Tubes(_) => UNBALANCED,
+            Self::Iterative(rest) => rest.tolerance().max(UNBALANCED),
+        }
+    }
+
+    /// Estimated error of the failure indices of what breaks next; none of a factor, whose
     /// solution is refined to round-off.
     pub(crate) fn index_error(&self) -> Option<f64> {
         match self {

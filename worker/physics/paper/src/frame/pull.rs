@@ -263,9 +263,14 @@ impl Pulling for Pull<'_> {
         !self.rest.is_whole(part.element(self.rest.network()))
     }
 
-    /// That of round-off with a factor, a tenth of the break precision with iterations.
+    /// That of round-off with a factor, half of the break precision with iterations.
     fn residual_limit(&self) -> f64 {
         self.rest.residual_limit()
+    }
+
+    /// That of round-off with a factor, a tenth of the break precision with iterations.
+    fn index_limit(&self) -> f64 {
+        self.rest.index_limit()
     }
 
     fn state(&self) -> &PullState {

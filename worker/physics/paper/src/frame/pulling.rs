@@ -35,6 +35,11 @@ pub trait Pulling: std::fmt::Debug {
     /// Unbalanced force over the largest force of an element that is allowed.
     fn residual_limit(&self) -> f64;
 
+    /// Error of failure indices that is allowed.
+    fn index_limit(&self) -> f64 {
+        self.residual_limit()
+    }
+
     /// What it takes to go on.
     fn state(&self) -> &PullState;
 

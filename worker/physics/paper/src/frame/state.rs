@@ -107,7 +107,7 @@ pub struct PullMeasures {
     pub broken_segments: usize,
     /// Largest unbalanced force over the largest force of an element.
     pub largest_residual: f64,
-    /// Largest estimated error of the failure index of what broke next, over itself; none with a factor.
+    /// Largest estimated error, at any rest, of the failure indices of what broke next; none with a factor.
     pub largest_index_error: Option<f64>,
     /// Largest difference of the jaws' forces over the peak.
     pub largest_jaw_imbalance: f64,

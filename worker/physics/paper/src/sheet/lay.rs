@@ -25,6 +25,8 @@ impl SheetPlan {
     /// contact. Of several pulps the one that is furthest behind comes next, so that they are mixed
     /// through the thickness; the last fibre of each is cut to what is missing of its mass.
     ///
+    /// Fibres are numbered along the sheet, by where they have their middle.
+    ///
     /// A fibre on a slope is longer than its projection. What it gains is cut from its free ends, so
     /// that lengths are those that were drawn.
     ///
@@ -47,6 +49,9 @@ impl SheetPlan {
         self.validate()?;
         let mut fibres = self.lay_fibres(seed, interrupt)?;
         fibres.shrink_to_fit();
+        // bonds then join what is near one another in memory, too: of 36 000 fibres as a truss an iteration takes a
+        // tenth less time
+        fibres.sort_by(|a, b| middle_um(a).total_cmp(&middle_um(b)));
         if interrupt.is_cancelled() {
             return Err(SheetError::GivenUp);
         }
@@ -116,6 +121,12 @@ impl SheetPlan {
         }
         Ok(fibres)
     }
+}
+
+/// Where along the sheet a fibre has its middle [µm].
+fn middle_um(fibre: &SheetFibre) -> f64 {
+    let line = &fibre.centre_line_um;
+    line[line.len() / 2][0]
 }
 
 /// A pulp and how much of it lies in the sheet.

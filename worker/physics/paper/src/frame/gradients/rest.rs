@@ -1,9 +1,11 @@
 //! The rest of a network by conjugate gradients, from one break to the next.
 //!
 //! Every solution starts from the last one, and stops when what breaks next is known well enough. How well it
-//! is known is what the last iterations changed of failure indices, about the error that there was before them.
-//! For how small an error in energy to ask goes by what no part exceeds: a spring of stiffness c carries an
-//! error of at most √c √(eᵀKe). All parts share the error, so that each has a small part of that.
+//! is known is what the last iterations changed of failure indices, about the error that there was before them:
+//! of parts that break one by one the largest, of those that break together the root mean square, for there one
+//! of thousands that goes a round too soon or too late is no matter, and the last one is what takes most
+//! iterations. For how small an error in energy to ask goes by what no part exceeds: a spring of stiffness c
+//! carries an error of at most √c √(eᵀKe). All parts share the error, so that each has a small part of that.
 use std::sync::Arc;
 
 use loadframe_numerics::{Team, equilibrium::Ended};
@@ -22,9 +24,17 @@ use super::super::survey::{Critical, breaks_at, survey};
 use super::scalar::Scalar;
 use super::system::{Activity, Equations, System};
 
-/// Error in energy that is left at most, as a share of the motion's own: √(eᵀKe)/√(uᵀKu). The force of the jaws
-/// is off by the square of it.
+/// Failure indices of parts that break together are known to this share of the precision with which they do.
+const OF_PRECISION: f64 = 0.1;
+/// Where parts break one by one, failure indices are known to this share.
+const ONE_BY_ONE: f64 = 1e-7;
+/// Error in energy that is left at most, as a share of the motion's own, √(eᵀKe)/√(uᵀKu), or over the precision if
+/// that is larger. The force of the jaws is off by the square of it.
 const ENERGY_ERROR: f64 = 1e-3;
+const ENERGY_OF_PRECISION: f64 = 0.06;
+/// Unbalanced force over the largest force of an element that is left at most, over the precision. That is one node
+/// of all, as far from rest as none else.
+const UNBALANCED_OF_PRECISION: f64 = 0.5;
 /// How many times the error in energy is asked for that would leave the tolerance if all of it were in the part that
 /// breaks next. In a sheet of 1157 fibres its index was off by a 500th to a 1400th of that bound.
 const SPREAD: f64 = 100.0;
@@ -45,8 +55,8 @@ const ROUNDS: usize = 12;
 /// From where a solution starts, and how well what breaks next is to be known.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Start<'a> {
-    /// Largest error of the failure index of what breaks next, over itself.
-    pub(crate) tolerance: f64,
+    /// How far over their strength parts are that break together; 0: they break one by one.
+    pub(crate) break_precision: f64,
     /// Whether a truss has rigid groups however small it is.
     pub(crate) is_grouped: bool,
     /// The motion that is the solution already; empty: none is known.
@@ -60,7 +70,7 @@ pub(crate) struct Relaxation<'n> {
     clusters: Clusters,
     loads: &'n [NodeLoad],
     elongation: f64,
-    tolerance: f64,
+    break_precision: f64,
     gyration: f64,
     is_whole: Vec<bool>,
     activity: Activity,
@@ -75,7 +85,7 @@ pub(crate) struct Relaxation<'n> {
     pub(crate) forces: Forces,
     pub(crate) critical: Option<Critical>,
     pub(crate) residual: f64,
-    /// Estimated error of the failure index of what breaks next, over itself.
+    /// Estimated error of the failure indices of what breaks next.
     pub(crate) index_error: f64,
     factors: usize,
     solutions: usize,
@@ -114,7 +124,7 @@ impl<'n> Relaxation<'n> {
             clusters,
             loads,
             elongation,
-            tolerance: start.tolerance,
+            break_precision: start.break_precision,
             gyration: network.gyration_um(),
             is_whole,
             activity,
@@ -244,7 +254,7 @@ impl<'n> Relaxation<'n> {
         }
         if self.wanted.is_infinite() {
             let share = if self.loads.is_empty() {
-                ENERGY_ERROR
+                self.energy_share()
             } else {
                 0.0
             };
@@ -264,7 +274,7 @@ impl<'n> Relaxation<'n> {
             }
             self.index_error = self.changed_index();
             let is_balanced = self.residual <= self.limit();
-            let is_known = self.index_error <= self.tolerance;
+            let is_known = self.index_error <= self.tolerance();
             if iterated.error <= self.wanted && is_known && is_balanced {
                 return Ok(());
             }
@@ -275,7 +285,7 @@ impl<'n> Relaxation<'n> {
             }
             was_at_floor = is_at_floor;
             if !is_known {
-                let share = INDEX_SHARPER * self.tolerance / self.index_error;
+                let share = INDEX_SHARPER * self.tolerance() / self.index_error;
                 self.wanted = self.wanted.min(share * iterated.error);
             }
             if !is_balanced {
@@ -289,10 +299,19 @@ impl<'n> Relaxation<'n> {
         })
     }
 
-    /// Unbalanced force over the largest force of an element that is left at most: what changes a failure
-    /// index less than it is to be known.
+    /// Error of failure indices that is left at most.
+    pub(crate) fn tolerance(&self) -> f64 {
+        (OF_PRECISION * self.break_precision).max(ONE_BY_ONE)
+    }
+
+    /// Unbalanced force over the largest force of an element that is left at most.
     pub(crate) fn limit(&self) -> f64 {
-        self.tolerance.max(UNBALANCED)
+        (UNBALANCED_OF_PRECISION * self.break_precision).max(UNBALANCED)
+    }
+
+    /// Error in energy that is left at most where something may break, over √(uᵀKu).
+    fn energy_share(&self) -> f64 {
+        ENERGY_ERROR.max(ENERGY_OF_PRECISION * self.break_precision)
     }
 
     /// One pass over what is active: forces, what breaks first, and how well it must be known.
@@ -309,22 +328,23 @@ impl<'n> Relaxation<'n> {
         self.system.spread(&mut self.forces.nodes);
         self.residual = self.worst_force() / self.forces.scale.max(f64::MIN_POSITIVE);
         let share = if self.critical.is_some() {
-            ENERGY_ERROR
+            self.energy_share()
         } else {
             ALONE
         };
         let by_energy = share * (2.0 * self.forces.energy).sqrt();
         self.wanted =
-            by_energy.min(SPREAD * self.tolerance / self.sensitivity().max(f64::MIN_POSITIVE));
+            by_energy.min(SPREAD * self.tolerance() / self.sensitivity().max(f64::MIN_POSITIVE));
     }
 
-    /// Most that the last iterations changed a failure index near that of what breaks next, over the latter.
+    /// What the last iterations changed of failure indices near that of what breaks next, over the latter: the root
+    /// mean square, or the most where parts break one by one.
     fn changed_index(&mut self) -> f64 {
         let Some(critical) = self.critical else {
             return 0.0;
         };
         self.system.read_change(&mut self.changes.nodes);
-        let mut most: f64 = 0.0;
+        let (mut most, mut squares, mut parts): (f64, f64, f64) = (0.0, 0.0, 0.0);
         for part in 0..self.network.parts() {
             let Some(loads) = self.loads_of(part) else {
                 continue;
@@ -335,10 +355,17 @@ impl<'n> Relaxation<'n> {
                 let change = element.loads(&element.deformation(&self.changes.ends(element)));
                 let before = std::array::from_fn(|spring| loads[spring] - change[spring]);
                 let before = critical.factor / breaks_at(self.network, part, &before);
-                most = most.max((index - before).abs());
+                let changed = index - before;
+                most = most.max(changed.abs());
+                squares += changed * changed;
+                parts += 1.0;
             }
         }
-        most
+        if self.break_precision > 0.0 {
+            (squares / parts.max(1.0)).sqrt()
+        } else {
+            most
+        }
     }
 
     /// Most that an error in energy of 1 changes the failure index of what breaks next, over itself.

@@ -7,7 +7,7 @@ use super::course::Course;
 use super::results;
 use super::specimen::Specimen;
 use super::warnings::warn;
-use crate::frame::{MotionReport, PullEnd, PullMeasures};
+use crate::frame::{MotionReport, PullEnd, PullMeasures, Pulling};
 
 /// Largest difference between the jaw forces, relative to the maximum force, that goes without
 /// warning: the force error ISO 7500-1 allows a testing machine of class 1.
@@ -43,7 +43,7 @@ pub(super) fn report(
         residual_strain,
     );
     match course.pull.motion_report() {
-        None => checks(&mut report, &measures, course.pull.residual_limit()),
+        None => checks(&mut report, &measures, &*course.pull),
         Some(motion) => checks_of_motion(&mut report, &measures, &motion),
     }
     if let Some(tubes) = &specimen.tubes {
@@ -63,11 +63,11 @@ pub(super) fn report(
     report.finish()
 }
 
-fn checks(report: &mut ReportBuilder, measures: &PullMeasures, residual_limit: f64) {
+fn checks(report: &mut ReportBuilder, measures: &PullMeasures, pull: &dyn Pulling) {
     report.check(
         "frame_residual",
         measures.largest_residual,
-        residual_limit,
+        pull.residual_limit(),
         "1",
         "Largest unbalanced force on a node over the largest force of a beam or bond, at any rest.",
     );
@@ -81,7 +81,7 @@ fn checks(report: &mut ReportBuilder, measures: &PullMeasures, residual_limit: f
     report.check(
         "energy_balance_error",
         measures.energy_error(),
-        residual_limit.max(LARGEST_ENERGY_ERROR),
+        pull.index_limit().max(LARGEST_ENERGY_ERROR),
         "1",
         "Work of the jaw that is neither stored nor set free by breaks nor lost by yielding, over the work.",
     );
@@ -89,10 +89,10 @@ fn checks(report: &mut ReportBuilder, measures: &PullMeasures, residual_limit: f
         report.check(
             "failure_index_error",
             error,
-            residual_limit,
+            pull.index_limit(),
             "1",
-            "Estimated error of the failure index of what broke next, over itself, at any rest: equilibrium \
-             was found by iterations.",
+            "Estimated error of the failure indices of what broke next, root mean square (one by one: the \
+             largest), at any rest: equilibrium was found by iterations.",
         );
     }
 }
