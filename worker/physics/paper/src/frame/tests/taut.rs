@@ -132,7 +132,8 @@ fn what_a_factor_of_all_finds_at_once_is_known() {
 #[test]
 fn the_more_bars_are_taut_the_stiffer_is_the_sheet_and_the_fewer_are_iterations() {
     let test = PullTest {
-        break_precision: 0.1,
+        // where a rest may be as far off as for 0.1, a sheet so small takes next to none
+        break_precision: 0.01,
         max_strain: 0.5,
         stop_force_fraction: 0.9,
     };

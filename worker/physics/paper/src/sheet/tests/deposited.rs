@@ -27,13 +27,13 @@ fn crossing(one: &[[f64; 3]], other: &[[f64; 3]]) -> Option<[f64; 2]> {
 /// centre lines [µm].
 fn gaps(sheet: &Sheet) -> Vec<f64> {
     let mut gaps = Vec::new();
-    for (index, lower) in sheet.fibres.iter().enumerate() {
-        for upper in &sheet.fibres[index + 1..] {
-            let thickness = 0.5 * (lower.section.thickness_um + upper.section.thickness_um);
-            for one in lower.centre_line_um.windows(2) {
-                for other in upper.centre_line_um.windows(2) {
+    for (index, first) in sheet.fibres.iter().enumerate() {
+        for second in &sheet.fibres[index + 1..] {
+            let thickness = 0.5 * (first.section.thickness_um + second.section.thickness_um);
+            for one in first.centre_line_um.windows(2) {
+                for other in second.centre_line_um.windows(2) {
                     let heights = crossing(one, other);
-                    gaps.extend(heights.map(|[below, above]| above - below - thickness));
+                    gaps.extend(heights.map(|[one, other]| (one - other).abs() - thickness));
                 }
             }
         }
