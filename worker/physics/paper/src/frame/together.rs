@@ -8,7 +8,8 @@
 //! What is over its strength by less than the precision waits until more is: a sheet is elongated until its most
 //! loaded part is over by the precision, so that the few parts which a round of breaks leaves overloaded do not
 //! take a solution of their own. What breaks early makes a sheet weaker and what waits makes it stronger; at
-//! these shares the two make up for one another (`tests/figures paper_together paper_together_trusses`).
+//! these shares the two nearly make up for one another (`tests/figures paper_together paper_together_trusses`: strength
+//! of eight sheets of beams at 0.1 was off by +1.8 % on average, that of eight others by +8 %, of eight trusses by -2 %).
 //!
 //! So do a few that are over it by more: every round of breaks leaves some, then a fourth as many, and so on to the
 //! last one, each round at the price of the first. In a strip of 15 mm x 100 mm 14 000 bonds were followed by 1638, 422,
