@@ -63,7 +63,8 @@ impl SheetPlan {
         })
     }
 
-    fn lay_fibres(
+    /// Its fibres, one after the other.
+    pub(super) fn lay_fibres(
         &self,
         seed: u64,
         interrupt: &dyn InterruptSource,

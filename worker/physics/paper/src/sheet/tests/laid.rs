@@ -118,9 +118,12 @@ fn whole_fibres_have_their_length_and_their_shape_factor() {
     for plan in
         [random, deposited].map(|plan| plan([3000.0; 2], 10.0, vec![softwood(fixed(600.0))]))
     {
-        let sheet = lay(&plan, 1);
-        let (mut whole, mut ended) = (0, 0);
-        for fibre in &sheet.fibres {
+        let fibres = plan
+            .lay_fibres(1, &Uninterrupted)
+            .expect("the plan is good");
+        let mut whole = 0;
+        // the last two end where the mass does
+        for fibre in &fibres[..fibres.len() - 2] {
             let line = &fibre.centre_line_um;
             let [first, last] = [line[0], line[line.len() - 1]];
             let is_cut = [first, last]
@@ -129,15 +132,11 @@ fn whole_fibres_have_their_length_and_their_shape_factor() {
             if is_cut {
                 continue;
             }
+            whole += 1;
             // both ends may be joined across a bend, a tenth of a segment of 28 or 7 µm that is not
             // climbed at a slope of 0.3: 2 · 0.7 · (√1.09 − 1) = 0.06 µm
             let off = fibre.length_um() - 600.0;
-            assert!(off < 0.07, "{off}");
-            if off <= -0.07 {
-                ended += 1;
-                continue;
-            }
-            whole += 1;
+            assert!(off.abs() < 0.07, "{off}");
             if matches!(plan.placement, Placement::Random3d { .. }) {
                 let chord = polyline::distance(first, last);
                 // ψ²/(6 N²) of 22 segments is 1.7e-4
@@ -148,8 +147,7 @@ fn whole_fibres_have_their_length_and_their_shape_factor() {
                 );
             }
         }
-        // the last two that were laid end where the mass does
-        assert!(whole > 300 && ended <= 2, "{whole} {ended}");
+        assert!(whole > 300, "{whole}");
     }
 }
 

@@ -5,7 +5,7 @@ mod extremes;
 mod laid;
 mod strips;
 
-use loadframe_harness::Sample;
+use loadframe_harness::{Sample, Uninterrupted};
 use loadframe_numerics::Team;
 
 use super::*;
