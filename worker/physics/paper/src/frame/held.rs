@@ -126,25 +126,6 @@ impl<'n> Held<'n> {
         }
     }
 
-    /// Elongation at which so many parts are at their strength, or as many as ever are; infinite where none is.
-    pub(crate) fn reached_by(&self, parts: usize) -> f64 {
-        let first = self
-            .critical()
-            .map_or(f64::INFINITY, |critical| critical.factor);
-        if parts <= 1 || first == f64::INFINITY {
-            return first;
-        }
-        let network = self.network();
-        let factor = |element| Some(breaks_at(network, element, &self.loads_of(element)?));
-        let mut factors: Vec<f64> = (0..network.parts()).filter_map(factor).collect();
-        factors.retain(|factor| factor.is_finite());
-        let place = parts.min(factors.len()).saturating_sub(1);
-        if factors.is_empty() {
-            return first;
-        }
-        *factors.select_nth_unstable_by(place, f64::total_cmp).1
-    }
-
     /// What breaks at this elongation with one solution, the most loaded first; what breaks next alone where
     /// `precision` is 0.
     pub(crate) fn breaking(&self, elongation: f64, precision: f64) -> Vec<usize> {

@@ -14,7 +14,7 @@ use super::held::{Held, Means};
 use super::network::Network;
 use super::pulling::{Loads, Pulling, run};
 use super::state::{PullCost, PullState};
-use super::together::{few, waits_to};
+use super::together::waits_to;
 
 /// Until when is pulled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -208,10 +208,9 @@ impl Pulling for Pull<'_> {
         }
         let length = self.rest.network().model().length_um;
         let last = self.test.max_strain * length;
-        let precision = self.test.break_precision;
-        let waiting = few(precision, self.state.measures.broken());
-        let at = self.rest.reached_by(waiting + 1);
-        let to = (at * waits_to(precision)).min(last);
+        let next = self.rest.critical();
+        let at = next.map_or(f64::INFINITY, |critical| critical.factor);
+        let to = (at * waits_to(self.test.break_precision)).min(last);
         if to > self.state.elongation_um || at > last {
             // nothing breaks at this elongation any more: an avalanche is over
             if self.state.measures.broken() > 0 && self.is_below_fraction() {

@@ -68,19 +68,6 @@ fn what_has_no_fibre_in_common_breaks_in_one_round_at_loads_that_are_larger_by_t
 }
 
 #[test]
-fn a_few_that_are_over_their_strength_wait_where_many_have_broken() {
-    let rounds = |many: usize| -> Vec<usize> {
-        // alone, the second bond bears twice as much: more than 1.5, less than 6
-        let mut strengths = vec![[1.0, 6.0]; many];
-        strengths.push([1.0, 1.5]);
-        let (rounds, _) = pulled(&joints(&strengths), PRECISION);
-        rounds.iter().map(Vec::len).collect()
-    };
-    assert_eq!(rounds(300), [301, 1, 300]);
-    assert_eq!(rounds(400), [401, 401]);
-}
-
-#[test]
 fn what_shares_a_fibre_with_something_more_overloaded_waits() {
     // all five are overloaded once the outermost have gone, and go in pairs from outside
     let fibres = [
