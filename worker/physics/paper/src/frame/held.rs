@@ -135,13 +135,27 @@ impl<'n> Held<'n> {
         if precision <= 0.0 {
             return vec![critical.element];
         }
+        let indices = self
+            .factors()
+            .map(|(part, factor)| (part, elongation / factor));
+        let indices: Vec<(usize, f64)> = indices.collect();
+        together(self.network(), &indices, precision)
+    }
+
+    /// Elongation at which more than so many parts are at their strength; infinite where that is never.
+    pub(crate) fn reached_by_more_than(&self, parts: usize) -> f64 {
+        let mut factors: Vec<f64> = self.factors().map(|(_, factor)| factor).collect();
+        if factors.len() <= parts {
+            return f64::INFINITY;
+        }
+        *factors.select_nth_unstable_by(parts, f64::total_cmp).1
+    }
+
+    /// Parts that bear something, with the elongation at which they are at their strength.
+    fn factors(&self) -> impl Iterator<Item = (usize, f64)> {
         let network = self.network();
-        let index = |element: usize| {
-            let loads = self.loads_of(element)?;
-            Some((element, elongation / breaks_at(network, element, &loads)))
-        };
-        let indices: Vec<(usize, f64)> = (0..network.parts()).filter_map(index).collect();
-        together(network, &indices, precision)
+        let factor = |part| Some((part, breaks_at(network, part, &self.loads_of(part)?)));
+        (0..network.parts()).filter_map(factor)
     }
 
     pub(crate) fn network(&self) -> &'n Network {

@@ -14,7 +14,7 @@ use super::held::{Held, Means};
 use super::network::Network;
 use super::pulling::{Loads, Pulling, run};
 use super::state::{PullCost, PullState};
-use super::together::waits_to;
+use super::together::{few, waits_to};
 
 /// Until when is pulled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,6 +119,20 @@ impl<'n> Pull<'n> {
         force <= self.test.stop_force_fraction * self.state.measures.peak_force_mn
     }
 
+    /// The elongation at which something breaks, the first part being at its strength at `first`; none above the
+    /// present one where that is now.
+    fn waits_until(&self, first: f64, last: f64) -> f64 {
+        let precision = self.test.break_precision;
+        let (present, waits) = (self.state.elongation_um, waits_to(precision));
+        let few = few(precision, self.state.measures.broken());
+        if first * waits > present || few == 0 {
+            return first * waits;
+        }
+        let without_few = self.rest.reached_by_more_than(few) * waits;
+        let may_wait = without_few <= last.min(present * waits);
+        if may_wait { without_few } else { first * waits }
+    }
+
     fn elongate(&mut self, to: f64) {
         let stiffness = self.stiffness();
         let from = self.state.elongation_um;
@@ -210,7 +224,7 @@ impl Pulling for Pull<'_> {
         let last = self.test.max_strain * length;
         let next = self.rest.critical();
         let at = next.map_or(f64::INFINITY, |critical| critical.factor);
-        let to = (at * waits_to(self.test.break_precision)).min(last);
+        let to = self.waits_until(at, last).min(last);
         if to > self.state.elongation_um || at > last {
             // nothing breaks at this elongation any more: an avalanche is over
             if self.state.measures.broken() > 0 && self.is_below_fraction() {

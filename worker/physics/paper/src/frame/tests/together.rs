@@ -68,6 +68,30 @@ fn what_has_no_fibre_in_common_breaks_in_one_round_at_loads_that_are_larger_by_t
 }
 
 #[test]
+fn a_few_that_are_over_their_strength_wait_where_many_have_broken_and_the_next_is_near() {
+    // alone, the second bond of a joint bears some 1.64: of 1.5 it is over that by more than the precision
+    let pulled = |joints_of_many: usize, second: f64, of_one: f64| {
+        let mut strengths = vec![[1.0, second]; joints_of_many];
+        strengths.push([1.0, of_one]);
+        let (rounds, measures) = pulled(&joints(&strengths), PRECISION);
+        let rounds: Vec<usize> = rounds.iter().map(Vec::len).collect();
+        (rounds, measures.work_nj)
+    };
+    let (rounds, work) = pulled(400, 1.6, 1.5);
+    assert_eq!(rounds, [401, 401]);
+    // it breaks at the elongation at which the others would without it
+    let (rounds, without) = pulled(400, 1.6, 1.6);
+    assert_eq!(rounds, [401, 401]);
+    close(work, without, ROUND_OFF);
+    // too few have broken for one to wait: all that is at its strength breaks with it, at the elongation of before
+    let (rounds, at_once) = pulled(300, 1.6, 1.5);
+    assert_eq!(rounds, [301, 301]);
+    assert!(at_once / 301.0 < 0.99 * work / 401.0, "{at_once} {work}");
+    // the next is over its strength by the precision at nearly four times the elongation only
+    assert_eq!(pulled(400, 6.0, 1.5).0, [401, 1, 400]);
+}
+
+#[test]
 fn what_shares_a_fibre_with_something_more_overloaded_waits() {
     // all five are overloaded once the outermost have gone, and go in pairs from outside
     let fibres = [
