@@ -1,4 +1,4 @@
-//! Strengths and angles that are read off curves of soil.
+//! Strengths, angles and strains that are read off curves of soil.
 use loadframe_harness::curve;
 
 /// Part of the way at its end over which the critical state is taken.
@@ -31,6 +31,14 @@ pub(super) fn slope_at(points: &[(f64, f64)], place: f64) -> f64 {
     curve::slope(&near).unwrap_or(f64::NAN)
 }
 
+/// Abscissa at which the ordinate first reaches this, on the straight line between points; `None` where it never
+/// does, or no less is before.
+pub(super) fn reached(points: &[(f64, f64)], ordinate: f64) -> Option<f64> {
+    let after = points.iter().position(|point| point.1 >= ordinate)?;
+    let [(x0, y0), (x1, y1)] = [points[after.checked_sub(1)?], points[after]];
+    Some(x0 + (ordinate - y0) / (y1 - y0) * (x1 - x0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -45,5 +53,13 @@ mod tests {
             .collect();
         assert!((critical(&points) - 7.0).abs() < 1e-12);
         assert!((slope_at(&points, 40.0) - 3.0).abs() < 1e-12);
+    }
+    #[test]
+    fn an_ordinate_is_reached_between_points_for_the_first_time() {
+        let points = [(0.0, 1.0), (1.0, 2.0), (3.0, 6.0), (4.0, 1.0), (5.0, 9.0)];
+        assert_eq!(reached(&points, 5.0), Some(2.5));
+        assert_eq!(reached(&points, 2.0), Some(1.0));
+        assert_eq!(reached(&points, 9.5), None);
+        assert_eq!(reached(&points, 0.5), None);
     }
 }

@@ -11,7 +11,7 @@ use loadframe_harness::{ReportBuilder, curve};
 
 use super::{
     Measured, Reading,
-    angles::{critical, slope_at},
+    angles::{critical, reached, slope_at},
     measured::{Rows, points},
 };
 
@@ -99,8 +99,13 @@ impl Measured for Triaxial {
         let (strain, peak_angle) = angle[peak];
         let dilation = slope_at(&volume, strain);
         let half = 0.5 * (deviator[0].1 + deviator[peak].1);
-        let at_half = deviator.iter().find(|point| point.1 >= half);
-        let secant = at_half.map(|(strain, stress)| 1e3 * (stress - deviator[0].1) / strain);
+        let at_half = reached(&deviator[..=peak], half);
+        let secant = at_half.map(|strain| 1e3 * (half - deviator[0].1) / strain);
+        if at_half.is_some_and(|strain| strain < deviator[1].0) {
+            let detail = "half the peak of the deviator stress is passed before the first row of the curve, and the \
+                          secant modulus is that of this row: ask for more of /output/rows";
+            report.warn("secant_modulus", detail);
+        }
         let mean = |column: usize| {
             rows.test.iter().map(|row| row[column]).sum::<f64>() / rows.test.len() as f64
         };
@@ -140,7 +145,7 @@ impl Measured for Triaxial {
                 "secant_modulus",
                 secant.unwrap_or(f64::NAN),
                 "Pa",
-                "Secant modulus at half the peak deviator stress; limited by the rows of the curve.",
+                "Secant modulus at half the peak deviator stress, between rows of the curve.",
             ),
             (
                 "confining_pressure",
