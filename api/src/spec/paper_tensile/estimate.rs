@@ -34,22 +34,26 @@ const MULTIPLICATION: f64 = 0.018;
 const POINT_LAID: f64 = 500.0;
 /// Of sheets that iterate: iterations of the first solution and of later ones, and what an unknown, a bond and an
 /// entry of the factor cost in one, in evaluations of one bond. The first of sheets of beams of 1033 to 13 798
-/// fibres are 90 to 140; the later ones, of pulls of 466 to 13 798 fibres, were 24 to 54.
+/// fibres are 90 to 140; the later ones, of pulls of 466 to 13 798 fibres, were 19 to 26.
 const FIRST_ITERATIONS: f64 = 110.0;
-const ITERATIONS: f64 = 34.0;
+const ITERATIONS: f64 = 24.0;
 /// Iterations with a factor of a truss, and how many times those of beams a larger truss takes without: one that is
 /// loose, and one whose bars are taut by 1e-5, with the power of the strain by which they fall.
 const WITH_FACTOR: f64 = 12.0;
 const OF_TRUSS: f64 = 14.0;
-const OF_TAUT_TRUSS: f64 = 4.0;
-const POWER_OF_TAUT: f64 = 0.19;
+const OF_TAUT_TRUSS: f64 = 3.2;
+const POWER_OF_TAUT: f64 = 0.12;
 const UNKNOWN: f64 = 21.0;
 const BOND: f64 = 59.0;
 const ENTRY: f64 = 0.33;
-/// What is left of these in single precision, and of bars, which do not turn: trusses of 28 000 to 655 000 unknowns
-/// took 0.12 to 0.36 of it, the more the less of them the caches of the processor hold.
+/// What is left of these in single precision, and of bars, which do not turn.
 const SINGLE: f64 = 0.38;
 const OF_BARS: f64 = 0.21;
+/// By which power of the unknowns beyond so many an iteration is dearer, the less of them the caches of the processor
+/// hold, and by how much at most: in sheets of 4 300 to 11.6 million unknowns it took 0.9 to 2.4 times as much.
+const OF_CACHES: f64 = 0.17;
+const IN_CACHES: f64 = 8500.0;
+const OF_MEMORY: f64 = 2.4;
 /// Where fibres yield there are so many yields for every break, each of which costs a break's solution and
 /// takes a look at all elements. Not measured yet.
 const YIELDS: f64 = 10.0;
@@ -188,7 +192,8 @@ fn of_sheet(
             Level::Beam | Level::Tube if is_single(spec) => SINGLE,
             Level::Beam | Level::Tube => 1.0,
         };
-        iterations * each * light
+        let from_memory = (unknowns / IN_CACHES).powf(OF_CACHES).min(OF_MEMORY);
+        iterations * each * light * from_memory
     } else {
         let factor = MULTIPLICATION * 2.0 * entries * entries / unknowns.max(1.0);
         let yields = if spec.yields() { YIELDS } else { 0.0 };
