@@ -54,6 +54,7 @@ mod tests {
         assert!((critical(&points) - 7.0).abs() < 1e-12);
         assert!((slope_at(&points, 40.0) - 3.0).abs() < 1e-12);
     }
+
     #[test]
     fn an_ordinate_is_reached_between_points_for_the_first_time() {
         let points = [(0.0, 1.0), (1.0, 2.0), (3.0, 6.0), (4.0, 1.0), (5.0, 9.0)];

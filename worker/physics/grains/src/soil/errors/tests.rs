@@ -1,6 +1,6 @@
 //! Which tests have errors, and what they are made of. Values are those of the tables times the results.
 use loadframe_api::{
-    JobSpec, Quantity, Report, Submission,
+    JobSpec, Quantity, Report, Submission, Warning,
     spec::soil::{SoilDirectShear, SoilTriaxial},
 };
 use serde_json::{Value, json};
@@ -168,4 +168,25 @@ fn what_was_not_measured_has_no_error_and_says_why() {
             "{pointer}: {words}"
         );
     }
+}
+
+#[test]
+fn a_modulus_that_a_warning_doubts_has_no_error() {
+    let has_error = |is_doubted: bool| {
+        let mut report = Report::default();
+        for name in ["secant_modulus", "peak_friction_angle"] {
+            let quantity = Quantity::new(ANGLE, "", "");
+            report.summary.insert(name.to_owned(), quantity);
+        }
+        if is_doubted {
+            report.warnings.push(Warning {
+                code: "secant_modulus".to_owned(),
+                detail: String::new(),
+            });
+        }
+        add(&mut report, &triaxial("/accuracy", &json!("draft")));
+        ["secant_modulus", "peak_friction_angle"].map(|name| report.summary[name].error.is_some())
+    };
+    assert_eq!(has_error(false), [true, true]);
+    assert_eq!(has_error(true), [false, true]);
 }
