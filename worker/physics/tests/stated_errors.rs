@@ -12,7 +12,7 @@ mod scenes;
 #[path = "../examples/stated_errors/sort.rs"]
 mod sort;
 
-use fabrics::{Fabrics, Size};
+use fabrics::Fabrics;
 use loadframe_api::JobSpec;
 use loadframe_api::spec::nonwoven_tensile::{Breaking, NonwovenTensile};
 use loadframe_api::{ErrorBasis, Report};
@@ -22,10 +22,10 @@ use sort::{Sort, errors_apart};
 
 /// Fabrics of the first test: the command takes more, and larger ones.
 const FABRICS: u64 = 6;
-const TINY: Fabrics = Fabrics(Size {
-    points: [7.0, 9.0],
+const TINY: Fabrics = Fabrics {
+    sides: [7.0, 9.0],
     layers: [1, 2],
-});
+};
 /// Nine of ten are promised; of six, one outside has a chance of 47 in 100 at that, two of 11.
 const WITHIN: usize = 5;
 const FIRST_SEED: u64 = 200_002;

@@ -8,15 +8,22 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::sort::{Knob, Sort};
 
-/// How large fabrics are: points along a side, and layers.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Size {
-    pub(crate) points: [f64; 2],
+/// Fabrics by the least and the most that they have: of points along a side, and of layers.
+pub(crate) struct Fabrics {
+    pub(crate) sides: [f64; 2],
     pub(crate) layers: [u32; 2],
 }
 
-/// Fabrics of a size.
-pub(crate) struct Fabrics(pub(crate) Size);
+/// Of a hundred to two thousand bonds.
+pub(crate) const SMALL: Fabrics = Fabrics {
+    sides: [6.0, 17.0],
+    layers: [1, 3],
+};
+/// Of a thousand to forty thousand.
+pub(crate) const LARGE: Fabrics = Fabrics {
+    sides: [16.0, 80.0],
+    layers: [1, 3],
+};
 
 /// A_cc and break precision of the presets.
 const PRESETS: [[f64; 2]; 3] = [[5.0, 0.05], [100.0, 0.01], [1e4, 0.002]];
@@ -61,7 +68,7 @@ impl Sort for Fabrics {
     }
 
     fn job(&self, seed: u64, setting: &[f64]) -> JobSpec {
-        let (mut spec, strain) = drawn(seed, self.0);
+        let (mut spec, strain) = self.drawn(seed);
         spec.test.strain_step = setting[1] * strain;
         spec.accuracy = Accuracy::Knobs(Knobs {
             force_accuracy: setting[0],
@@ -72,7 +79,7 @@ impl Sort for Fabrics {
     }
 
     fn traits(&self, seed: u64, _: &Report) -> Vec<(&'static str, f64)> {
-        let (spec, strain) = drawn(seed, self.0);
+        let (spec, strain) = self.drawn(seed);
         let Fabric::Lattice(lattice) = &spec.fabric else {
             return Vec::new();
         };
@@ -95,62 +102,64 @@ impl Sort for Fabrics {
     }
 }
 
-/// A fabric and the strain at which its bond of mean strength breaks.
-fn drawn(seed: u64, size: Size) -> (NonwovenTensile, f64) {
-    let random = &mut ChaCha8Rng::seed_from_u64(seed);
-    let [fewest, most] = size.points;
-    let points_per_row = decades(random, fewest, most) as u32;
-    let rows = 2 * (decades(random, 0.5 * fewest, 0.5 * most) as u32) + 1;
-    let layers = random.random_range(size.layers[0]..=size.layers[1]);
-    let irregularity = random.random_range(0.2..0.8);
-    let modulus = decades(random, 0.1, 1.0);
-    let friction = modulus * decades(random, 0.3, 8.0);
-    let strain: f64 = decades(random, 0.3, 2.0);
-    let spec = NonwovenTensile {
-        version: 1,
-        seed,
-        fabric: Fabric::Lattice(Lattice {
-            points_per_row,
-            rows,
-            layers,
-            spacing_mm: [
-                2.0 * decades(random, 0.7, 1.4),
-                2.0,
-                decades(random, 0.7, 1.4),
-            ],
-            irregularity: [irregularity; 3],
-            jaws: if random.random_bool(0.5) {
-                Jaws::HalfBond
-            } else {
-                Jaws::ClampedRows
+impl Fabrics {
+    /// A fabric and the strain at which its bond of mean strength breaks.
+    fn drawn(&self, seed: u64) -> (NonwovenTensile, f64) {
+        let random = &mut ChaCha8Rng::seed_from_u64(seed);
+        let [fewest, most] = self.sides;
+        let points_per_row = decades(random, fewest, most) as u32;
+        let rows = 2 * (decades(random, 0.5 * fewest, 0.5 * most) as u32) + 1;
+        let layers = random.random_range(self.layers[0]..=self.layers[1]);
+        let irregularity = random.random_range(0.2..0.8);
+        let modulus = decades(random, 0.1, 1.0);
+        let friction = modulus * decades(random, 0.3, 8.0);
+        let strain: f64 = decades(random, 0.3, 2.0);
+        let spec = NonwovenTensile {
+            version: 1,
+            seed,
+            fabric: Fabric::Lattice(Lattice {
+                points_per_row,
+                rows,
+                layers,
+                spacing_mm: [
+                    2.0 * decades(random, 0.7, 1.4),
+                    2.0,
+                    decades(random, 0.7, 1.4),
+                ],
+                irregularity: [irregularity; 3],
+                jaws: if random.random_bool(0.5) {
+                    Jaws::HalfBond
+                } else {
+                    Jaws::ClampedRows
+                },
+                thickness_mm: None,
+                grammage_g_per_m2: None,
+            }),
+            bond: Bond {
+                modulus_n: Some(modulus),
+                friction_modulus_n: friction,
+                compression_stiffness_n: modulus * decades(random, 0.1, 1.5),
+                mean_strength_n: Some((modulus + friction * strain) * strain),
+                strength_sigma: random.random_range(0.15..0.6),
+                strength_draw: Default::default(),
             },
-            thickness_mm: None,
-            grammage_g_per_m2: None,
-        }),
-        bond: Bond {
-            modulus_n: Some(modulus),
-            friction_modulus_n: friction,
-            compression_stiffness_n: modulus * decades(random, 0.1, 1.5),
-            mean_strength_n: Some((modulus + friction * strain) * strain),
-            strength_sigma: random.random_range(0.15..0.6),
-            strength_draw: Default::default(),
-        },
-        test: Test {
-            max_strain: 4.0 * strain,
-            directions: vec![if random.random_bool(0.5) {
-                Direction::Y
-            } else {
-                Direction::X
-            }],
-            ..Test::default()
-        },
-        accuracy: Accuracy::default(),
-        output: Output {
-            snapshot_every_steps: 0,
-            ..Output::default()
-        },
-    };
-    (spec, strain)
+            test: Test {
+                max_strain: 4.0 * strain,
+                directions: vec![if random.random_bool(0.5) {
+                    Direction::Y
+                } else {
+                    Direction::X
+                }],
+                ..Test::default()
+            },
+            accuracy: Accuracy::default(),
+            output: Output {
+                snapshot_every_steps: 0,
+                ..Output::default()
+            },
+        };
+        (spec, strain)
+    }
 }
 
 /// Between two numbers, evenly over their orders of magnitude.

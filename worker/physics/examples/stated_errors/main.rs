@@ -15,16 +15,11 @@ mod sort;
 
 use std::process::ExitCode;
 
-use fabrics::{Fabrics, Size};
+use fabrics::{LARGE, SMALL};
 use measure::{for_each, table};
 use scenes::Scenes;
 use sort::Sort;
 
-/// Fabrics of a hundred to two thousand bonds.
-const SMALL: Size = Size {
-    points: [6.0, 17.0],
-    layers: [1, 3],
-};
 /// Seeds of the jobs that are measured, and of those that are checked.
 const MEASURED_FROM: u64 = 1;
 const CHECKED_FROM: u64 = 100_001;
@@ -52,7 +47,7 @@ fn main() -> ExitCode {
         (Some(&"check"), Some(sort), Some(specs)) => check(&*sort, specs, threads),
         _ => {
             eprintln!(
-                "stated_errors measure|check nonwoven_tensile|granular_scene SPECS [THREADS]"
+                "stated_errors measure|check nonwoven_tensile|nonwoven_tensile_large|granular_scene SPECS [THREADS]"
             );
             ExitCode::FAILURE
         }
@@ -61,7 +56,8 @@ fn main() -> ExitCode {
 
 fn sort_of(kind: &str) -> Option<Box<dyn Sort>> {
     match kind {
-        "nonwoven_tensile" => Some(Box::new(Fabrics(SMALL))),
+        "nonwoven_tensile" => Some(Box::new(SMALL)),
+        "nonwoven_tensile_large" => Some(Box::new(LARGE)),
         "granular_scene" => Some(Box::new(Scenes)),
         _ => None,
     }

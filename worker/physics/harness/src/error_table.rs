@@ -53,6 +53,27 @@ impl ErrorTable {
         serde_json::from_str(text)
     }
 
+    /// Reads tables of jobs that have more and more of a trait: the first whose range reaches as far as a job,
+    /// or the last.
+    ///
+    /// # Errors
+    /// Why one is none.
+    pub fn first_reaching(
+        texts: &[&str],
+        name: &str,
+        value: f64,
+    ) -> Result<Self, serde_json::Error> {
+        let mut table = Self::read(texts.first().unwrap_or(&""))?;
+        for text in texts.iter().skip(1) {
+            let reaches = |[_, most]: &[f64; 2]| value <= *most;
+            if table.range.get(name).is_some_and(reaches) {
+                break;
+            }
+            table = Self::read(text)?;
+        }
+        Ok(table)
+    }
+
     /// Gives results the errors that are known of them, and warns where what was measured ends near this
     /// job. Returns why results have none, or some have none.
     pub fn add(&self, report: &mut Report, job: &Likeness<'_>) -> Option<String> {
@@ -206,6 +227,17 @@ mod tests {
         assert_eq!(errors, [None, Some(0.1)]);
         assert!(words.unwrap().contains("depend on breaks have no error"));
         assert_eq!(told(1000.0, 1.0, 0.01).0, [None, None]);
+    }
+
+    #[test]
+    fn of_several_tables_the_first_that_reaches_far_enough_is_read() {
+        let larger = TABLE.replace("[100, 10000]", "[5000, 1e6]");
+        for (bonds, is_larger) in [(1.0, false), (1e4, false), (10_001.0, true), (1e9, true)] {
+            let table = ErrorTable::first_reaching(&[TABLE, &larger], "bonds", bonds);
+            assert_eq!(table.unwrap().range["bonds"][1] > 1e5, is_larger, "{bonds}");
+        }
+        assert!(ErrorTable::first_reaching(&[], "bonds", 1.0).is_err());
+        assert!(ErrorTable::first_reaching(&[TABLE, "{}"], "bonds", 1e5).is_err());
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! How wrong results may be for how they were computed, as measured before.
 //!
-//! `errors.json` is what `cargo run --release -p loadframe-physics --example stated_errors -- measure
-//! nonwoven_tensile 30` prints; [`ErrorTable`] reads it. It holds the errors of fabrics drawn at random at levels of three knobs:
-//! A_cc, the strain step over the strain at which a bond of mean strength breaks, and the break precision.
+//! A table is what `cargo run --release -p loadframe-physics --example stated_errors -- measure nonwoven_tensile 30`
+//! prints; [`ErrorTable`] reads it. It holds the errors of fabrics drawn at random at levels of three knobs: A_cc,
+//! the strain step over the strain at which a bond of mean strength breaks, and the break precision.
 //! An error is the root mean square over the fabrics, or half of what 95 % of them stayed below where that
 //! is more: twice of it is to hold for 19 of 20.
 //!
@@ -35,6 +35,9 @@ const OF_SMALL_STRAIN: [(&str, &str); 5] = [
     ("poisson_ratio", "poisson_ratio"),
 ];
 
+/// Tables of fabrics, the smallest ones first: where many bonds carry, a single one of them matters less.
+const TABLES: [&str; 1] = [include_str!("errors/small.json")];
+
 /// Layers of the fabrics that were measured.
 const MOST_LAYERS: u32 = 3;
 
@@ -45,7 +48,8 @@ pub(super) fn add(
     specimen: &Specimen,
     is_torn: bool,
 ) -> Option<String> {
-    let table = match ErrorTable::read(include_str!("errors.json")) {
+    let bonds = specimen.network.bonds.len() as f64;
+    let table = match ErrorTable::first_reaching(&TABLES, "bonds", bonds) {
         Ok(table) => table,
         Err(error) => return Some(format!("results have no error: its table is none: {error}")),
     };
@@ -66,7 +70,7 @@ pub(super) fn add(
     let strength = spec.bond.mean_strength_n.unwrap_or(f64::NAN);
     let strain_of_strength = law.strain(strength);
     let traits = [
-        ("bonds", specimen.network.bonds.len() as f64),
+        ("bonds", bonds),
         (
             "mean_irregularity",
             lattice.irregularity.iter().sum::<f64>() / 3.0,
