@@ -133,6 +133,8 @@ pub enum ErrorBasis {
     TwoSolvers,
     /// The scatter of the job's repeats.
     Repeats,
+    /// What another result, by which this one is read, is off: what this one would be beside it.
+    Propagated,
 }
 
 /// A body at the end of a test.

@@ -2321,7 +2321,7 @@ export interface components {
             tenth?: components["schemas"]["Tenth"] | null;
         };
         /** @description Where an error's size is known from. */
-        ErrorBasis: "measured_table" | "two_grids" | "two_solvers" | "repeats";
+        ErrorBasis: "measured_table" | "two_grids" | "two_solvers" | "repeats" | "propagated";
         /** @description What buys a digit: a change of the spec that makes a part of an error a tenth of what it is. */
         Tenth: {
             /** @description What to change, in words. */

@@ -24,7 +24,13 @@ const DEFLECTION: Quantity = {
 const STRAIN: Quantity = {
   value: 0.0123,
   unit: "1",
-  error: { value: 0.00041, parts: [{ source: "time_step", value: 0.00041, basis: "measured_table" }] },
+  error: {
+    value: 0.00041,
+    parts: [
+      { source: "time_step", value: 0.0004, basis: "measured_table" },
+      { source: "time_step", value: 0.00009, basis: "propagated" },
+    ],
+  },
 };
 const LOAD: Quantity = {
   value: 10,
@@ -50,12 +56,13 @@ test("each source of an error has a column, in the units that the results are sh
     { source: "Grid", basis: "from coarser grids" },
     { source: "Solver", basis: "from another solver" },
     { source: "Time step", basis: "from a measured table" },
+    { source: "Time step", basis: "by that of another result" },
   ]);
   // what was given, such as a load, cannot be wrong
   expect(rows).toEqual([
-    { name: "mean_top_deflection", parts: [`0.000081${NARROW}mm`, `0.0000012${NARROW}mm`, ""] },
-    { name: "mean_bottom_deflection", parts: [`0.000081${NARROW}mm`, `0.0000012${NARROW}mm`, ""] },
-    { name: "max_strain", parts: ["", "", `0.041${NARROW}%`] },
+    { name: "mean_top_deflection", parts: [`0.000081${NARROW}mm`, `0.0000012${NARROW}mm`, "", ""] },
+    { name: "mean_bottom_deflection", parts: [`0.000081${NARROW}mm`, `0.0000012${NARROW}mm`, "", ""] },
+    { name: "max_strain", parts: ["", "", `0.04${NARROW}%`, `0.009${NARROW}%`] },
   ]);
 });
 

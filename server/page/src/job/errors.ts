@@ -11,6 +11,7 @@ const BASES: Record<Basis, string> = {
   two_grids: "from coarser grids",
   two_solvers: "from another solver",
   repeats: "from repeats",
+  propagated: "by that of another result",
 };
 
 export interface Source {

@@ -31,9 +31,17 @@ pub(super) fn slope_at(points: &[(f64, f64)], place: f64) -> f64 {
     curve::slope(&near).unwrap_or(f64::NAN)
 }
 
+/// Where a curve has first risen by this part of what it rises by in all, and its secant up to there.
+pub(super) fn secant(points: &[(f64, f64)], part: f64) -> Option<(f64, f64)> {
+    let [(start, first), (_, last)] = [points.first()?, points.last()?].map(|point| *point);
+    let rise = part * (last - first);
+    let place = reached(points, first + rise)?;
+    Some((place, rise / (place - start)))
+}
+
 /// Abscissa at which the ordinate first reaches this, on the straight line between points; `None` where it never
 /// does, or no less is before.
-pub(super) fn reached(points: &[(f64, f64)], ordinate: f64) -> Option<f64> {
+fn reached(points: &[(f64, f64)], ordinate: f64) -> Option<f64> {
     let after = points.iter().position(|point| point.1 >= ordinate)?;
     let [(x0, y0), (x1, y1)] = [points[after.checked_sub(1)?], points[after]];
     Some(x0 + (ordinate - y0) / (y1 - y0) * (x1 - x0))
@@ -53,6 +61,14 @@ mod tests {
             .collect();
         assert!((critical(&points) - 7.0).abs() < 1e-12);
         assert!((slope_at(&points, 40.0) - 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_secant_is_that_of_the_part_that_a_curve_has_risen_by() {
+        let points = [(1.0, 1.0), (2.0, 5.0), (4.0, 5.5), (6.0, 11.0)];
+        assert_eq!(secant(&points, 0.2), Some((1.5, 4.0)));
+        assert_eq!(secant(&points, 0.45), Some((4.0, 1.5)));
+        assert_eq!(secant(&points, 1.1), None);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What a test of soil is read off: rows of a scene by the names of their columns.
 use std::collections::BTreeMap;
 
+use loadframe_api::Report;
 use loadframe_api::spec::soil::Script;
 use loadframe_harness::ReportBuilder;
 
@@ -23,6 +24,10 @@ pub trait Measured: Tabled {
     /// Results, from the rows of the test and the first and last of the scene.
     #[doc(hidden)]
     fn results(&self, report: &mut ReportBuilder, script: &Script, rows: &Rows);
+
+    /// Adds what the errors of results do to others that are read off the curve by them.
+    #[doc(hidden)]
+    fn propagate(&self, _report: &mut Report, _rows: &Rows) {}
 }
 
 /// A row of the scene by the names of its columns.

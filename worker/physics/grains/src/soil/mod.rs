@@ -104,7 +104,11 @@ fn run_one<T: Measured>(
             let mut report = conclude(&spec.test, scene, &mut tester)?;
             let words = match report.quality.get("stress_not_kept") {
                 Some(check) if !check.ok => Some(NOT_KEPT.to_owned()),
-                _ => errors::add(&mut report, spec),
+                _ => {
+                    let words = errors::add(&mut report, spec);
+                    spec.test.propagate(&mut report, &tester.rows);
+                    words
+                }
             };
             if let Some(words) = words {
                 tester.log(&words);

@@ -7,11 +7,12 @@
 //! sin ψ = (dε_v/dε_a)/(dε_v/dε_a − 2) ([SchanzVermeer1996]), the secant modulus q/ε_a at half the peak of q
 //! beyond that at the start. The void ratio is of the solid volume in the box, e = n/(1 − n).
 use loadframe_api::spec::soil::{SAMPLE, Script, Triaxial};
+use loadframe_api::{ErrorBasis, ErrorPart, Report};
 use loadframe_harness::{ReportBuilder, curve};
 
 use super::{
     Measured, Reading,
-    angles::{critical, reached, slope_at},
+    angles::{critical, secant, slope_at},
     measured::{Rows, points},
 };
 
@@ -98,10 +99,9 @@ impl Measured for Triaxial {
         };
         let (strain, peak_angle) = angle[peak];
         let dilation = slope_at(&volume, strain);
-        let half = 0.5 * (deviator[0].1 + deviator[peak].1);
-        let at_half = reached(&deviator[..=peak], half);
-        let secant = at_half.map(|strain| 1e3 * (half - deviator[0].1) / strain);
-        if at_half.is_some_and(|strain| strain < deviator[1].0) {
+        let to_peak = &deviator[..=peak];
+        let at_half = secant(to_peak, 0.5);
+        if at_half.is_some_and(|(strain, _)| strain < deviator[1].0) {
             let detail = "half the peak of the deviator stress is passed before the first row of the curve, and the \
                           secant modulus is that of this row: ask for more of /output/rows";
             report.warn("secant_modulus", detail);
@@ -143,7 +143,7 @@ impl Measured for Triaxial {
             ),
             (
                 "secant_modulus",
-                secant.unwrap_or(f64::NAN),
+                at_half.map_or(f64::NAN, |(_, modulus)| 1e3 * modulus),
                 "Pa",
                 "Secant modulus at half the peak deviator stress, between rows of the curve.",
             ),
@@ -198,5 +198,122 @@ impl Measured for Triaxial {
         ] {
             report.result(name, value, unit, description);
         }
+    }
+
+    /// The secant modulus is read where half the peak is reached. Where the curve is flat there, as that of a loose
+    /// soil is, a peak that is a little higher is reached by half much later.
+    fn propagate(&self, report: &mut Report, rows: &Rows) {
+        let kept = rows.kept(self.kept_stress());
+        let deviator = points(&kept, AXIAL_STRAIN, DEVIATOR);
+        let Some(peak) = curve::peak(&points(&kept, AXIAL_STRAIN, ANGLE)) else {
+            return;
+        };
+        let known = |name: &str| {
+            let found = report.summary.get(name)?;
+            Some((found.value?, found.error.clone()?))
+        };
+        let (Some((strength, of_strength)), Some((modulus, error))) =
+            (known("peak_deviator_stress"), known("secant_modulus"))
+        else {
+            return;
+        };
+        let by = |part: ErrorPart| {
+            let relative = part.value / strength.abs();
+            let beside = [1.0 - relative, 1.0 + relative]
+                .into_iter()
+                .filter_map(|times| secant(&deviator[..=peak], 0.5 * times));
+            let largest = beside
+                .map(|(_, beside)| (1e3 * beside - modulus).abs())
+                .fold(0.0, f64::max);
+            ErrorPart::new(&part.source, largest, ErrorBasis::Propagated)
+        };
+        let parts = error.parts.into_iter();
+        let parts = parts.chain(of_strength.parts.into_iter().map(by)).collect();
+        if let Some(modulus) = report.summary.get_mut("secant_modulus") {
+            *modulus = modulus.clone().with_error(parts);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use loadframe_api::Quantity;
+
+    use super::*;
+
+    /// Parts of the error of the secant modulus, given those of a strength of 100 kPa and that the modulus has one.
+    fn parts(curve: &[(f64, f64)], of_strength: &[(&str, f64)], has_error: bool) -> Vec<ErrorPart> {
+        let test = curve.iter().map(|(strain, deviator)| {
+            let mut row = vec![0.0; 13];
+            (row[AXIAL_STRAIN], row[DEVIATOR]) = (*strain, *deviator);
+            (row[ANGLE], row[RADIAL]) = (*deviator, 50.0);
+            row
+        });
+        let rows = Rows {
+            test: test.collect(),
+            ..Rows::default()
+        };
+        let part = |(source, value): &(&str, f64)| {
+            ErrorPart::new(source, *value, ErrorBasis::MeasuredTable)
+        };
+        let mut report = Report::default();
+        let strength = Quantity::new(1e5, "Pa", "");
+        let parts = of_strength.iter().map(part).collect();
+        report.summary.insert(
+            "peak_deviator_stress".to_owned(),
+            strength.with_error(parts),
+        );
+        let modulus = secant(curve, 0.5).map_or(f64::NAN, |(_, modulus)| 1e3 * modulus);
+        let own = part(&("specimens", 2e6));
+        let parts = if has_error { vec![own] } else { Vec::new() };
+        let modulus = Quantity::new(modulus, "Pa", "").with_error(parts);
+        report.summary.insert("secant_modulus".to_owned(), modulus);
+        let test = Triaxial {
+            confining_pressure_pa: 5e4,
+            ..serde_json::from_str(
+                r#"{"width_m": 0.1, "height_m": 0.2, "confining_pressure_pa": 5e4, "axial_strain": 0.1}"#,
+            )
+            .expect("a test")
+        };
+        test.propagate(&mut report, &rows);
+        let error = report.summary["secant_modulus"].error.clone();
+        error.map_or_else(Vec::new, |error| error.parts)
+    }
+
+    #[test]
+    fn a_modulus_that_is_read_where_the_curve_is_flat_has_the_error_that_the_peak_makes_of_it() {
+        // 50 kPa at 0.01, where the curve turns: 45 kPa at 0.009, 55 at 0.02
+        let flat = [(0.0, 0.0), (0.01, 50.0), (0.02, 55.0), (0.05, 100.0)];
+        let found = parts(&flat, &[("specimens", 1e4), ("preset", 2e4)], true);
+        let told: Vec<_> = found
+            .iter()
+            .map(|part| (&*part.source, part.basis))
+            .collect();
+        assert_eq!(
+            told,
+            [
+                ("specimens", ErrorBasis::MeasuredTable),
+                ("specimens", ErrorBasis::Propagated),
+                ("preset", ErrorBasis::Propagated),
+            ]
+        );
+        // 5 MPa; 55 kPa at 0.02 is 2.75 MPa, and 60 kPa at 0.02 + 5/45 of 0.03 is 2.571 MPa
+        let expected = [
+            2e6,
+            2.25e6,
+            1e6 * (5.0 - 60e-3 / (0.02 + 0.03 * 5.0 / 45.0)),
+        ];
+        for (part, expected) in found.iter().zip(expected) {
+            assert!(
+                (part.value / expected - 1.0).abs() < 1e-9,
+                "{part:?} {expected}"
+            );
+        }
+        // along a straight line it is the same wherever it is read
+        let straight = [(0.0, 0.0), (0.05, 100.0)];
+        let found = parts(&straight, &[("specimens", 1e4)], true);
+        assert!(found[1].value < 1e-6, "{found:?}");
+        assert_eq!(parts(&flat, &[("specimens", 1e4)], false), []);
+        assert_eq!(parts(&flat, &[], true).len(), 1);
     }
 }
