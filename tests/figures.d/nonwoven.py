@@ -128,10 +128,12 @@ def solvers(folder: Path) -> list[list[str]]:
             rows.append([name, *[""] * 6])
             continue
         value = lambda outcome, result: outcome["summary"][result]["value"]
-        worst = [max(abs(value(one, r) / value(exact[seed], r) - 1) for seed, one in found.items()) for r in results]
+        # what had parted before has no modulus
+        off = lambda result: [abs(value(one, result) / value(exact[seed], result) - 1) for seed, one in found.items() if value(one, result) is not None]
+        worst = [max(off(result), default=None) for result in results]
         evaluations = mean([o["cost"]["work"]["bond_evaluations"] / value(o, "bonds") for o in found.values()])
         rows.append([
-            name, *(percent(error) for error in worst),
+            name, *("" if error is None else percent(error) for error in worst),
             f"{mean([o['quality']['unconverged_steps']['value'] for o in found.values()]):.0f} of {round(STRAIN / 0.02) + 1}",
             grouped(evaluations), seconds(mean([o["cost"]["cpu_s"] for o in found.values()])),
         ])
