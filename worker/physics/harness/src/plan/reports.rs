@@ -112,9 +112,10 @@ fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
     let Some(first) = told.first() else {
         return Vec::new();
     };
-    let mean_of = |source: &str| {
+    let mean_of = |one: &ErrorPart| {
         let parts = told.iter().flat_map(|error| &error.parts);
-        let values = parts.filter(|part| part.source == source);
+        // a source may have two parts, each known from elsewhere
+        let values = parts.filter(|part| (&part.source, part.basis) == (&one.source, one.basis));
         values.map(|part| part.value).sum::<f64>() / told.len() as f64
     };
     let mut parts: Vec<ErrorPart> = first
@@ -122,7 +123,7 @@ fn errors(reports: &[Report], name: &str) -> Vec<ErrorPart> {
         .iter()
         .filter(|part| part.source != SPECIMENS)
         .map(|part| ErrorPart {
-            value: mean_of(&part.source),
+            value: mean_of(part),
             ..part.clone()
         })
         .collect();
