@@ -8,6 +8,7 @@
 //! of the errors that their results state. It fails where that is less than nine of ten.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "it is a command")]
 mod fabrics;
+mod kept;
 mod measure;
 mod run;
 mod scenes;
@@ -65,7 +66,9 @@ fn sort_of(kind: &str) -> Option<Box<dyn Sort>> {
 
 fn check(sort: &dyn Sort, specs: u64, threads: u64) -> ExitCode {
     let seeds = CHECKED_FROM..CHECKED_FROM + specs;
-    let all = for_each(seeds, threads, |seed| sort::errors_apart(sort, seed));
+    let all = for_each(seeds, threads, |seed| {
+        sort::errors_apart(sort, seed, kept::report)
+    });
     let mut is_kept = true;
     for name in sort.results() {
         let found = all.iter().flatten().filter(|(found, _)| found == name);

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use loadframe_api::Report;
 use serde_json::{Value, json};
 
-use crate::run::{report, value};
+use crate::kept::report;
+use crate::run::value;
 use crate::sort::Sort;
 
 /// Part of the jobs that stay below twice an error, at least.

@@ -1,7 +1,7 @@
 //! A sort of jobs whose errors are measured, and what their results say of themselves.
 use loadframe_api::{JobSpec, Report};
 
-use crate::run::{report, value};
+use crate::run::value;
 
 /// A knob: the source of error that it stands for, and its levels, the coarsest first; the last is what
 /// others are measured against.
@@ -39,7 +39,11 @@ pub(crate) trait Sort: Sync {
 
 /// How many of its stated errors each result of the job of a seed, at one of the presets, lies from that
 /// of the finest run.
-pub(crate) fn errors_apart(sort: &dyn Sort, seed: u64) -> Vec<(&'static str, Option<f64>)> {
+pub(crate) fn errors_apart(
+    sort: &dyn Sort,
+    seed: u64,
+    report: impl Fn(&JobSpec) -> Option<Report>,
+) -> Vec<(&'static str, Option<f64>)> {
     let presets = sort.presets(seed);
     let setting = &presets[seed as usize % presets.len()];
     let tests = [setting, &sort.finest()].map(|setting| report(&sort.job(seed, setting)));

@@ -1,7 +1,7 @@
 //! How wrong results may be for how they were computed, as measured before.
 //!
 //! A table is what `cargo run --release -p loadframe-physics --example stated_errors -- measure nonwoven_tensile 30`
-//! prints; [`ErrorTable`] reads it. It holds the errors of fabrics drawn at random at levels of three knobs: A_cc,
+//! (or `nonwoven_tensile_large 45`) prints; [`ErrorTable`] reads it. It holds the errors of fabrics drawn at random at levels of three knobs: A_cc,
 //! the strain step over the strain at which a bond of mean strength breaks, and the break precision.
 //! An error is the root mean square over the fabrics, or half of what 95 % of them stayed below where that
 //! is more: twice of it is to hold for 19 of 20.
@@ -36,7 +36,10 @@ const OF_SMALL_STRAIN: [(&str, &str); 5] = [
 ];
 
 /// Tables of fabrics, the smallest ones first: where many bonds carry, a single one of them matters less.
-const TABLES: [&str; 1] = [include_str!("errors/small.json")];
+const TABLES: [&str; 2] = [
+    include_str!("errors/small.json"),
+    include_str!("errors/large.json"),
+];
 
 /// Layers of the fabrics that were measured.
 const MOST_LAYERS: u32 = 3;
