@@ -178,7 +178,7 @@ impl Worker {
                     let pause = away_pause.map_or(FIRST_PAUSE, |pause: Duration| 2 * pause);
                     let pause = pause.min(LONGEST_PAUSE);
                     away_pause = Some(pause);
-                    self.pause(pause).await;
+                    self.pause(error.pause(pause)).await;
                     if !self.is_idle_too_long(idle_since) {
                         continue;
                     }

@@ -72,9 +72,15 @@ pub(crate) async fn submit(
         .with_max_times(TRIES);
     // nothing listens: more likely the wrong address than a restart, and people should not wait
     let is_passing = |error: &ServerError| {
-        matches!(error, ServerError::Unavailable(_) | ServerError::Gateway(_))
+        matches!(
+            error,
+            ServerError::Unavailable { .. } | ServerError::Gateway { .. }
+        )
     };
-    send.retry(pauses).when(is_passing).await
+    send.retry(pauses)
+        .when(is_passing)
+        .adjust(|error: &ServerError, pause| pause.map(|own| error.pause(own)))
+        .await
 }
 
 /// The server's refusal, with the lines of what it refuses.

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use loadframe_api::Problem;
+use reqwest::header::{HeaderMap, RETRY_AFTER};
 use reqwest::{Certificate, Method, RequestBuilder, Response, StatusCode, Url};
 use serde::de::DeserializeOwned;
 
@@ -16,6 +17,9 @@ const IDLE: Duration = Duration::from_secs(60);
 
 /// Another server, which signed addresses lead to, may say nothing for so long within an answer.
 const SILENCE: Duration = Duration::from_secs(60);
+
+/// What asks for a longer pause than this waits no longer.
+const LONGEST_ASKED: Duration = Duration::from_secs(60);
 
 /// A server and how to speak with it; clones share connections.
 #[derive(Clone, Debug)]
@@ -38,12 +42,18 @@ pub enum ServerError {
     /// No answer, or one that broke off. Trying again may help.
     #[error("the server at {server} cannot be reached: {reason}")]
     Unreachable { server: String, reason: String },
-    /// The server cannot answer now. Trying again may help.
-    #[error("the server is not able to answer: {0}")]
-    Unavailable(Problem),
+    /// The server cannot answer now. Trying again may help, when it has said how soon not before that.
+    #[error("the server is not able to answer: {problem}")]
+    Unavailable {
+        problem: Problem,
+        retry_after: Option<Duration>,
+    },
     /// A proxy before the server has no answer from it. Trying again may help.
-    #[error("the proxy before the server has no answer from it: {0}")]
-    Gateway(Problem),
+    #[error("the proxy before the server has no answer from it: {problem}")]
+    Gateway {
+        problem: Problem,
+        retry_after: Option<Duration>,
+    },
     /// The lease is not held any more: another worker may have the job.
     #[error("the lease is lost")]
     LeaseLost,
@@ -64,19 +74,31 @@ impl ServerError {
         matches!(
             self,
             Self::Unreachable { .. }
-                | Self::Unavailable(_)
-                | Self::Gateway(_)
+                | Self::Unavailable { .. }
+                | Self::Gateway { .. }
                 | Self::Elsewhere { .. }
         )
     }
 
     /// Whether nothing was heard of the server itself.
     pub fn is_silence(&self) -> bool {
-        matches!(self, Self::Unreachable { .. } | Self::Gateway(_))
+        matches!(self, Self::Unreachable { .. } | Self::Gateway { .. })
+    }
+
+    /// How long to wait before the same request is sent again: as long as its sender would by itself, or as
+    /// long as was asked for where that is more.
+    pub fn pause(&self, own: Duration) -> Duration {
+        match self {
+            Self::Unavailable { retry_after, .. } | Self::Gateway { retry_after, .. } => {
+                let asked = retry_after.unwrap_or_default();
+                own.max(asked.min(LONGEST_ASKED))
+            }
+            _ => own,
+        }
     }
 
     /// What an answer says that is no success.
-    fn of_answer(status: StatusCode, text: &str) -> Self {
+    fn of_answer(status: StatusCode, retry_after: Option<Duration>, text: &str) -> Self {
         // of the server's own answers every one is a problem; a proxy's is a page for people
         const OF_PROXIES: [StatusCode; 3] = [
             StatusCode::BAD_GATEWAY,
@@ -91,9 +113,15 @@ impl ServerError {
             Problem::new(status.as_u16(), "http", title, detail)
         });
         if is_of_proxy {
-            Self::Gateway(problem)
+            Self::Gateway {
+                problem,
+                retry_after,
+            }
         } else if status.is_server_error() || status == StatusCode::TOO_MANY_REQUESTS {
-            Self::Unavailable(problem)
+            Self::Unavailable {
+                problem,
+                retry_after,
+            }
         } else {
             Self::Refused(problem)
         }
@@ -221,11 +249,12 @@ impl ServerClient {
         if status.is_success() || status == StatusCode::NOT_MODIFIED {
             return Ok(answer);
         }
+        let retry_after = retry_after(answer.headers());
         let text = answer
             .text()
             .await
             .map_err(|error| self.unreachable(&error))?;
-        Err(ServerError::of_answer(status, &text))
+        Err(ServerError::of_answer(status, retry_after, &text))
     }
 
     /// Sends a request and reads the JSON of its answer.
@@ -250,6 +279,12 @@ impl ServerClient {
             reason: chain(error),
         }
     }
+}
+
+/// Seconds, as servers that are busy tell them; a time of day, which some proxies tell, is not looked at.
+fn retry_after(headers: &HeaderMap) -> Option<Duration> {
+    let seconds = headers.get(RETRY_AFTER)?.to_str().ok()?;
+    seconds.trim().parse().ok().map(Duration::from_secs)
 }
 
 /// The certificates of a file in PEM.
@@ -283,16 +318,31 @@ mod tests {
     fn a_page_of_a_proxy_is_no_word_of_the_server() {
         let page = "<html><h1>502 Bad Gateway</h1></html>";
         let own = serde_json::json!({ "type": "/problems/busy", "title": "Busy", "status": 503, "detail": "later" });
-        let of = |status, text: &str| ServerError::of_answer(status, text);
+        let of = |status, text: &str| ServerError::of_answer(status, None, text);
         for status in [StatusCode::BAD_GATEWAY, StatusCode::SERVICE_UNAVAILABLE] {
             let error = of(status, page);
             assert!(error.is_silence() && error.is_transient(), "{error}");
         }
         let busy = of(StatusCode::SERVICE_UNAVAILABLE, &own.to_string());
-        assert!(matches!(busy, ServerError::Unavailable(_)) && !busy.is_silence());
+        assert!(matches!(busy, ServerError::Unavailable { .. }) && !busy.is_silence());
         // such as a proxy's own word on sizes
         let refused = of(StatusCode::PAYLOAD_TOO_LARGE, page);
         assert!(matches!(refused, ServerError::Refused(_)) && !refused.is_transient());
+    }
+
+    #[test]
+    fn who_is_asked_to_wait_waits_so_long_and_no_longer_than_a_minute() {
+        let second = Duration::from_secs(1);
+        let asked = |header: &'static str| {
+            let headers = HeaderMap::from_iter([(RETRY_AFTER, header.parse().expect("a value"))]);
+            let status = StatusCode::TOO_MANY_REQUESTS;
+            ServerError::of_answer(status, retry_after(&headers), "").pause(second)
+        };
+        assert_eq!(asked("5"), 5 * second);
+        assert_eq!(asked("0"), second);
+        assert_eq!(asked("86400"), 60 * second);
+        assert_eq!(asked("Sat, 28 Nov 2026 20:00:00 GMT"), second);
+        assert_eq!(ServerError::LeaseLost.pause(second), second);
     }
 
     #[test]

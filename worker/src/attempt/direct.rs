@@ -66,7 +66,7 @@ impl LeaseClient {
             let route = format!("/uploads/{}", content.sha256);
             let request = self.request(Method::POST, &route).json(&end);
             let answer = match self.send_once(request).await {
-                Err(error @ ServerError::Unavailable(_)) => {
+                Err(error @ ServerError::Unavailable { .. }) => {
                     progress.ends_without += 1;
                     // perhaps the bucket has other parts than this worker believes
                     if progress.ends_without >= ENDS_WITHOUT_SUCCESS {

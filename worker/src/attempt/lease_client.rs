@@ -207,6 +207,7 @@ impl LeaseClient {
                     && !self.is_presumed_lost()
                     && begin.elapsed() < self.checkpoint_patience
             })
+            .adjust(|error, pause| self.adjusted(error, pause))
             .await
     }
 
@@ -283,6 +284,7 @@ impl LeaseClient {
     {
         call.retry(self.pauses())
             .when(|error| error.is_transient() && !self.is_presumed_lost())
+            .adjust(|error, pause| self.adjusted(error, pause))
             .notify(|error, pause| {
                 tracing::warn!(%error, pause_ms = pause.as_millis() as u64, "trying again");
             })
@@ -301,6 +303,11 @@ impl LeaseClient {
             Command::Pause => self.switch.stop(StopCause::Pause),
         }
         Ok(())
+    }
+
+    /// A pause as long as the server asks for, within what the lease allows.
+    fn adjusted(&self, error: &ServerError, pause: Option<Duration>) -> Option<Duration> {
+        pause.map(|own| own.max(error.pause(own).min(self.longest_pause)))
     }
 
     /// Growing pauses between tries, without an end.
