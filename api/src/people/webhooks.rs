@@ -18,7 +18,7 @@ pub enum WebhookEvent {
     Quarantined,
     /// A share link to a job or to a project was made.
     Shared,
-    /// A person's files have come to nine tenths of their limit, or to all of it.
+    /// A person's files have come to nine tenths of a limit or to all of it, or queued core hours to nine tenths.
     Quota,
 }
 
