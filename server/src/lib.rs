@@ -6,6 +6,7 @@
 //! vocabulary of `loadframe-api` and asks the [`store`], which alone knows SQL and files.
 //! What happens is told by [`telling`], through [`webhooks`] and [`mail`].
 pub mod access;
+mod blocking;
 pub mod config;
 pub mod connections;
 pub mod http;

@@ -9,7 +9,6 @@ use axum::response::{IntoResponse, Response};
 use futures_util::TryStreamExt;
 use futures_util::stream::{self, BoxStream};
 use loadframe_api::{FileEntry, JobView, check_file_name};
-use tokio::task::spawn_blocking;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 use uuid::Uuid;
@@ -19,6 +18,7 @@ use zip::{CompressionMethod, ZipWriter};
 use super::AppState;
 use super::permit::{JobPermit, ReadFiles};
 use super::problem::{ApiError, Result};
+use crate::blocking::blocking;
 
 /// What is written at a time [bytes].
 const PIECE: usize = 64 << 10;
@@ -127,7 +127,7 @@ impl Archive {
             let turn = self.state.archives.clone().acquire_owned().await;
             let _turn = turn.map_err(io::Error::other)?;
             let written = self.written;
-            let worked = spawn_blocking(move || written.go_on()).await;
+            let worked = blocking(move || written.go_on()).await;
             self.written = worked.map_err(io::Error::other)??;
         }
         let piece = self.written.piece.take();

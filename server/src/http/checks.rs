@@ -16,6 +16,7 @@ use tokio::time::timeout;
 
 use super::access::bearer;
 use super::problem::{ApiError, Result, TOO_MANY_REQUESTS};
+use crate::blocking::blocking;
 
 /// Bodies of one client that are checked or wait for it.
 const A_CLIENT: usize = 256;
@@ -116,12 +117,12 @@ impl Checks {
         check: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T> {
         let turn = self.turn(client).await?;
-        let checked = tokio::task::spawn_blocking(move || {
+        let checked = blocking(move || {
             let done = check();
             drop(turn);
             done
         });
-        checked.await.map_err(|error| ApiError::internal(&error))
+        Ok(checked.await?)
     }
 
     async fn turn(&self, client: Client) -> Result<Turn> {

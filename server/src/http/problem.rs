@@ -9,6 +9,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{Problem, SubmissionError, Violation};
 
+use crate::blocking::NotDone;
 use crate::store::StoreError;
 
 /// Media type of every error answer.
@@ -126,6 +127,12 @@ impl From<Problem> for ApiError {
 impl From<SubmissionError> for ApiError {
     fn from(error: SubmissionError) -> Self {
         error.into_problem().into()
+    }
+}
+
+impl From<NotDone> for ApiError {
+    fn from(error: NotDone) -> Self {
+        Self::internal(&error)
     }
 }
 

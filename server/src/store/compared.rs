@@ -11,6 +11,7 @@ use super::encoding::{parsed, variant};
 use super::error::{Result, StoreError};
 use super::jobs::hex_names;
 use crate::access::Sight;
+use crate::blocking::blocking;
 
 /// Blocks of a curve that are read at once: some MB.
 const BLOCKS: i64 = 64;
@@ -163,7 +164,7 @@ impl Store {
         let CurvePart {
             columns, chosen, ..
         } = part;
-        let decoded = tokio::task::spawn_blocking(move || {
+        let decoded = blocking(move || {
             let mut points = Vec::new();
             for block in &blocks {
                 block.columns(columns, chosen, &mut points)?;
@@ -171,7 +172,7 @@ impl Store {
             let next = blocks.last().map(|block| block.first + block.count);
             Ok::<_, StoreError>((points, next))
         });
-        let (points, next) = decoded.await.map_err(|_| StoreError::Unavailable)??;
+        let (points, next) = decoded.await??;
         let next = next.unwrap_or(part.next);
         Ok((points, CurvePart { next, ..part }))
     }

@@ -10,6 +10,7 @@ use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
 use super::writer::Change;
+use crate::blocking::blocking;
 
 /// Size of a full block before compression [bytes].
 const BLOCK_BYTES: usize = 100_000;
@@ -210,9 +211,7 @@ impl Store {
         drop(snapshot);
         let columns: Vec<String> = parsed(&curve.columns, "columns")?;
         let width = columns.len();
-        let points = tokio::task::spawn_blocking(move || between(&blocks, width, since, end))
-            .await
-            .map_err(|_| StoreError::Unavailable)??;
+        let points = blocking(move || between(&blocks, width, since, end)).await??;
         Ok(CurveView {
             columns,
             attempt: curve.number,

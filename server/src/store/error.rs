@@ -5,6 +5,7 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::database::refuses_text;
+use crate::blocking::NotDone;
 
 /// What the store gives, or why not.
 pub(super) type Result<T, E = StoreError> = std::result::Result<T, E>;
@@ -101,6 +102,12 @@ pub enum StoreError {
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+impl From<NotDone> for StoreError {
+    fn from(_: NotDone) -> Self {
+        Self::Unavailable
+    }
 }
 
 impl From<sqlx::Error> for StoreError {

@@ -16,6 +16,7 @@ use super::super::decimate::Decimation;
 use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, INVALID, Result};
 use super::selection::comparing;
+use crate::blocking::blocking;
 use crate::store::{Compared, CurvePart, Store, StoreError};
 
 /// Points of a curve unless asked otherwise: more than a screen has columns for a few hundred curves.
@@ -128,8 +129,7 @@ async fn as_json(
         }
     }
     // as text while the turn lasts: of all that is done here, writing numbers takes longest
-    let text = tokio::task::spawn_blocking(move || serde_json::to_vec(&answer)).await;
-    let text = text.map_err(|error| ApiError::internal(&error))?;
+    let text = blocking(move || serde_json::to_vec(&answer)).await?;
     let text = text.map_err(|error| ApiError::internal(&error))?;
     drop(selected);
     let kind = HeaderValue::from_static("application/json");

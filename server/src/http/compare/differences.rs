@@ -15,6 +15,7 @@ use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, Result};
 use super::fields::{Fields, told};
 use super::selection::comparing;
+use crate::blocking::blocking;
 use crate::store::{Compared, Store};
 
 /// Longest spec that is looked at field by field [bytes].
@@ -53,9 +54,9 @@ async fn differences(
         let spec = store.compared_spec(job).await?;
         fields = blocking(move || {
             fields.look_at(&parsed(&spec)?);
-            Ok(fields)
+            Ok::<_, ApiError>(fields)
         })
-        .await?;
+        .await??;
     }
     let (pointers, fields_left_out) = fields.that_differ();
 
@@ -125,7 +126,7 @@ async fn values(
         let values = pointers.iter().map(at).collect();
         Ok((values, Dimensions::of(&spec, Some(&results))))
     })
-    .await
+    .await?
 }
 
 fn kinds_where_they_differ(jobs: &[Compared]) -> Vec<ComparedField> {
@@ -160,12 +161,4 @@ fn results(jobs: &[Compared]) -> Vec<ComparedResult> {
 
 fn parsed(spec: &str) -> Result<Value> {
     serde_json::from_str(spec).map_err(|error| ApiError::internal(&error))
-}
-
-/// Does what takes time where it holds up nobody.
-async fn blocking<T: Send + 'static>(
-    work: impl FnOnce() -> Result<T> + Send + 'static,
-) -> Result<T> {
-    let done = tokio::task::spawn_blocking(work).await;
-    done.map_err(|error| ApiError::internal(&error))?
 }

@@ -12,6 +12,7 @@ use super::super::compare::fields::Fields;
 use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, Result};
 use super::list::kind_schema;
+use crate::blocking::blocking;
 use crate::store::JobFilter;
 
 /// Jobs that are looked at.
@@ -52,7 +53,7 @@ pub(super) async fn fields(
     let jobs = state.store.jobs(&filter, None, LOOKED_AT).await?.items;
     let ids: Vec<Uuid> = jobs.iter().map(|job| job.id).collect();
     let specs = state.store.specs_looked_into(&ids).await?;
-    let listed = tokio::task::spawn_blocking(move || {
+    let listed = blocking(move || {
         let mut listed = results(&jobs);
         let mut seen = Fields::default();
         for spec in specs {
@@ -72,7 +73,7 @@ pub(super) async fn fields(
         listed.truncate(MOST);
         Ok::<_, ApiError>(listed)
     });
-    let listed = listed.await.map_err(|error| ApiError::internal(&error))?;
+    let listed = listed.await?;
     Ok(Json(Page::whole(listed?)))
 }
 

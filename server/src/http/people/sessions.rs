@@ -23,6 +23,7 @@ use super::super::origin::{Way, way};
 use super::super::permit::{ManageOwn, Permit, Trace};
 use super::super::problem::{ApiError, CONFLICT, FORBIDDEN, IN_THE_CLEAR, Result, WRONG_PASSWORD};
 use crate::access::{Credential, password};
+use crate::blocking::blocking;
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
@@ -156,8 +157,7 @@ pub(super) async fn check_password(
         drop(turn);
         is_right
     };
-    let is_right = tokio::task::spawn_blocking(compare).await;
-    let is_right = is_right.map_err(|error| ApiError::internal(&error))?;
+    let is_right = blocking(compare).await?;
     match known {
         Some((person, _)) if is_right => {
             access.wrong_passwords.forgive(&trace.address);

@@ -10,6 +10,7 @@ use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
 use super::checks::{clean_name, folded, refused};
 use crate::access::password;
+use crate::blocking::blocking;
 
 row! {
     pub(super) struct PersonRow {
@@ -317,7 +318,6 @@ pub(super) async fn hashed(pointer: &'static str, given: String) -> Result<Strin
                 .allowed(format!("at least {} characters", password::SHORTEST));
         return Err(StoreError::Refused(vec![violation]));
     }
-    let made = tokio::task::spawn_blocking(move || password::hash(&given)).await;
-    made.map_err(|_| StoreError::Unavailable)?
-        .map_err(StoreError::corrupt("password"))
+    let made = blocking(move || password::hash(&given)).await;
+    made?.map_err(StoreError::corrupt("password"))
 }
