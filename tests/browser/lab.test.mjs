@@ -73,9 +73,11 @@ test("the quick example goes from the page to curve, results and files", () =>
     await row.waitFor();
     const cells = await row.locator("td").allInnerTexts();
     assert.equal(cells[1].trim(), summary.max_force.unit);
-    const shown = Number(cells[0].replace(/\s/g, "").replace("−", "-"));
-    // three digits are shown at least
-    assert.ok(Math.abs(shown / summary.max_force.value - 1) < 5e-3, `${cells} is not ${summary.max_force.value}`);
+    const shown = cells[0].replace(/\s/g, "").replaceAll("−", "-").split("±").map(Number);
+    const { value, error } = summary.max_force;
+    // three digits are shown at least, and two of an error
+    assert.ok(Math.abs(shown[0] / value - 1) < 5e-3, `${cells} is not ${value}`);
+    assert.ok(Math.abs(shown[1] / error.value - 1) < 5e-2, `${cells} is not within ${error.value}`);
     const rows = await part(page, "results").locator("tbody tr").count();
     assert.equal(rows, Object.keys(summary).length);
 
