@@ -178,7 +178,8 @@ impl Worker {
                     let pause = away_pause.map_or(FIRST_PAUSE, |pause: Duration| 2 * pause);
                     let pause = pause.min(LONGEST_PAUSE);
                     away_pause = Some(pause);
-                    self.pause(error.pause(pause)).await;
+                    let longest = self.exit_when_idle.unwrap_or(Duration::MAX);
+                    self.pause(error.pause(pause).min(longest)).await;
                     if !self.is_idle_too_long(idle_since) {
                         continue;
                     }

@@ -1,5 +1,5 @@
 //! `loadframe submit`
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use backon::{ConstantBuilder, Retryable};
 use clap::Args;
@@ -17,6 +17,8 @@ use super::terminal::{print_json, print_line};
 /// A server that restarts is waited for: so many tries, so far apart.
 const TRIES: usize = 10;
 const PAUSE: Duration = Duration::from_millis(500);
+/// Who sits before it is told after so long, whatever pauses the server asks for.
+const LONGEST: Duration = Duration::from_secs(30);
 
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -77,9 +79,11 @@ pub(crate) async fn submit(
             ServerError::Unavailable { .. } | ServerError::Gateway { .. }
         )
     };
+    let begin = Instant::now();
+    let within = |pause: &Duration| begin.elapsed() + *pause <= LONGEST;
     send.retry(pauses)
         .when(is_passing)
-        .adjust(|error: &ServerError, pause| pause.map(|own| error.pause(own)))
+        .adjust(|error: &ServerError, pause| pause.map(|own| error.pause(own)).filter(within))
         .await
 }
 

@@ -4,7 +4,6 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::error::{Result, StoreError};
-use crate::blocking::blocking as done_aside;
 
 /// Bytes read and written at a time.
 pub(super) const CHUNK: usize = 256 << 10;
@@ -43,8 +42,6 @@ pub(super) async fn blocking<T: Send + 'static>(
     path: &Path,
     work: impl FnOnce() -> std::io::Result<T> + Send + 'static,
 ) -> Result<T> {
-    match done_aside(work).await {
-        Ok(done) => done.map_err(StoreError::file(path)),
-        Err(_) => Err(StoreError::Unavailable),
-    }
+    let done = crate::blocking::blocking(work).await?;
+    done.map_err(StoreError::file(path))
 }
