@@ -5,12 +5,17 @@ use std::time::{Duration, Instant};
 /// only a hang reaches it, on however slow a machine.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
+/// Between two questions, at first and later.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(2);
+const LONGEST_PAUSE: Duration = Duration::from_millis(40);
+
 /// Asks `probe` until it gives a value.
 ///
 /// # Panics
 /// After [`PATIENCE`], naming what was waited for.
 pub fn until<T>(what: &str, mut probe: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
+    let mut pause = SHORTEST_PAUSE;
     loop {
         if let Some(value) = probe() {
             return value;
@@ -19,7 +24,9 @@ pub fn until<T>(what: &str, mut probe: impl FnMut() -> Option<T>) -> T {
             begin.elapsed() < PATIENCE,
             "waited {PATIENCE:?} in vain until {what}"
         );
-        std::thread::sleep(Duration::from_millis(5));
+        std::thread::sleep(pause);
+        // an answer takes the server a millisecond or two, which others could use
+        pause = (pause * 5 / 4).min(LONGEST_PAUSE);
     }
 }
 

@@ -74,15 +74,14 @@ impl Store {
         end: DirectEnd,
     ) -> Result<UploadedPart> {
         check_sha256(sha256)?;
-        let limit = match &end.becomes {
+        let (what, limit) = match &end.becomes {
             Becomes::File { name } => {
                 check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
-                LARGEST_FILE
+                ("a file", LARGEST_FILE)
             }
-            Becomes::Checkpoint { .. } => LARGEST_CHECKPOINT,
+            Becomes::Checkpoint { .. } => ("a checkpoint", LARGEST_CHECKPOINT),
         };
         if end.bytes > limit {
-            let what = "a file";
             return Err(StoreError::TooLarge { what, limit });
         }
         let Some(bucket) = self.blobs().storage.bucket() else {

@@ -1,4 +1,6 @@
 //! Beds of spheres for benchmarks, and a clock that runs along.
+#![allow(clippy::disallowed_methods, reason = "it measures")]
+
 use std::{fs, io, time::Instant};
 
 use loadframe_api::{JobSpec, Report, Submission};

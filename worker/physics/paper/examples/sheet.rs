@@ -1,5 +1,9 @@
 //! What sheets measure and what they cost: `cargo run --release -p loadframe-paper --example sheet`.
-#![allow(clippy::print_stdout, reason = "this prints tables")]
+#![allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "this prints tables of times"
+)]
 use std::time::Instant;
 
 use loadframe_numerics::Team;

@@ -34,6 +34,10 @@ pub(super) fn attended<R: Send>(work: impl FnOnce() -> R + Send) -> R {
 }
 
 /// Does what work there is for this thread until `is_over`, or until there was none for some time.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "how long a thread stays awake is in no result"
+)]
 fn await_work(is_over: impl Fn() -> bool) {
     let mut idle_since = None;
     while !is_over() {

@@ -312,7 +312,11 @@ fn a_sheet_begins_to_break_alike_at_large_motions() {
 /// --nocapture`.
 #[test]
 #[ignore = "measures: minutes"]
-#[expect(clippy::print_stderr)]
+#[expect(
+    clippy::print_stderr,
+    clippy::disallowed_methods,
+    reason = "it measures"
+)]
 fn large_sheet_by_time() {
     let number = |name: &str, other: usize| {
         let given = std::env::var(name)

@@ -219,7 +219,11 @@ fn extremes_of_tubes_have_a_result_that_balances() {
 /// Small sheets on all levels, beside one another: `cargo test -p loadframe-paper --lib levels_beside -- --ignored --nocapture`.
 #[test]
 #[ignore = "measures: minutes"]
-#[allow(clippy::print_stdout, reason = "this prints a table")]
+#[allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "this prints a table of times"
+)]
 fn levels_beside_one_another() {
     let mut short = made();
     short["pulp"][0]["length_mm"] = json!(0.5);
