@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use uuid::Uuid;
 
 /// Kills, when `LOADFRAME_SOAK` sets no time.
-const KILLS: u64 = 50;
+const KILLS: u64 = 20;
 /// Clients that submit without pause.
 const CLIENTS: usize = 3;
 /// The promise: ready again within this time.

@@ -8,6 +8,7 @@
 //! way.
 use std::path::Path;
 
+use futures_util::future::BoxFuture;
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -46,27 +47,34 @@ pub async fn backup(data: &Path, to: &Path) -> Result<BackupReport> {
 ///
 /// # Errors
 /// As [`backup`], and the bucket's.
-pub async fn backup_from(data: &Path, files: &FilesPlace, to: &Path) -> Result<BackupReport> {
-    let database = data.join(DATABASE);
-    require_database(&database)?;
-    let files = place_beside(data, files.clone())?;
-    let from = Storage::of(data, &files)?;
-    let into = Storage::of(to, &FilesPlace::Folder)?;
-    require_empty(to, &into).await?;
-    let mut missing = Vec::new();
-    let mut report = BackupReport::default();
-    for _ in 0..ROUNDS {
-        take(&database, &to.join(PARTIAL)).await?;
-        report = copy_files(&to.join(PARTIAL), &from, &into, to).await?;
-        if report.lost == missing {
-            break;
+pub fn backup_from<'a>(
+    data: &'a Path,
+    files: &'a FilesPlace,
+    to: &'a Path,
+) -> BoxFuture<'a, Result<BackupReport>> {
+    // boxed, it is compiled once and not again in everything that awaits it
+    Box::pin(async move {
+        let database = data.join(DATABASE);
+        require_database(&database)?;
+        let files = place_beside(data, files.clone())?;
+        let from = Storage::of(data, &files)?;
+        let into = Storage::of(to, &FilesPlace::Folder)?;
+        require_empty(to, &into).await?;
+        let mut missing = Vec::new();
+        let mut report = BackupReport::default();
+        for _ in 0..ROUNDS {
+            take(&database, &to.join(PARTIAL)).await?;
+            report = copy_files(&to.join(PARTIAL), &from, &into, to).await?;
+            if report.lost == missing {
+                break;
+            }
+            // perhaps their jobs were deleted after the database was taken
+            missing.clone_from(&report.lost);
         }
-        // perhaps their jobs were deleted after the database was taken
-        missing.clone_from(&report.lost);
-    }
-    copy_key(data, to)?;
-    finish(to, &into).await?;
-    Ok(report)
+        copy_key(data, to)?;
+        finish(to, &into).await?;
+        Ok(report)
+    })
 }
 
 /// Brings the backup in `from` to the empty folder `data`. Where files of the backup are missing or have
@@ -82,25 +90,28 @@ pub async fn restore(from: &Path, data: &Path, even_if_incomplete: bool) -> Resu
 ///
 /// # Errors
 /// As [`restore`], and the bucket's.
-pub async fn restore_to(
-    from: &Path,
-    data: &Path,
-    files: &FilesPlace,
+pub fn restore_to<'a>(
+    from: &'a Path,
+    data: &'a Path,
+    files: &'a FilesPlace,
     even_if_incomplete: bool,
-) -> Result<BackupReport> {
-    let database = from.join(DATABASE);
-    require_database(&database)?;
-    let backed_up = Storage::of(from, &FilesPlace::Folder)?;
-    let into = Storage::of(data, files)?;
-    require_empty(data, &into).await?;
-    take(&database, &data.join(PARTIAL)).await?;
-    let report = copy_files(&data.join(PARTIAL), &backed_up, &into, data).await?;
-    if report.lost.is_empty() || even_if_incomplete {
-        copy_key(from, data)?;
-        record(data, files)?;
-        finish(data, &into).await?;
-    }
-    Ok(report)
+) -> BoxFuture<'a, Result<BackupReport>> {
+    // boxed, it is compiled once and not again in everything that awaits it
+    Box::pin(async move {
+        let database = from.join(DATABASE);
+        require_database(&database)?;
+        let backed_up = Storage::of(from, &FilesPlace::Folder)?;
+        let into = Storage::of(data, files)?;
+        require_empty(data, &into).await?;
+        take(&database, &data.join(PARTIAL)).await?;
+        let report = copy_files(&data.join(PARTIAL), &backed_up, &into, data).await?;
+        if report.lost.is_empty() || even_if_incomplete {
+            copy_key(from, data)?;
+            record(data, files)?;
+            finish(data, &into).await?;
+        }
+        Ok(report)
+    })
 }
 
 fn require_database(database: &Path) -> Result<()> {

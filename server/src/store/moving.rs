@@ -6,6 +6,7 @@
 use std::path::Path;
 
 use futures_util::TryStreamExt;
+use futures_util::future::BoxFuture;
 use serde::Serialize;
 
 use super::database::{Builder, Connection, Database, DatabasePlace, FILE, Kind, query_scalar};
@@ -92,40 +93,47 @@ pub struct MoveReport {
 /// [`StoreError::InUse`] when a server has the folder; [`StoreError::Invalid`] when there is nothing to copy,
 /// or the other one is not empty; [`StoreError::Corrupt`] when the copy differs; those of both databases.
 /// Nothing is changed then.
-pub async fn move_store(data: &Path, server: &DatabasePlace, back: bool) -> Result<MoveReport> {
-    private_folder(data)?;
-    let _lock = lock(data, &DatabasePlace::Folder)?;
-    let folder = DatabasePlace::Folder;
-    let (from, to) = if back {
-        (server, &folder)
-    } else {
-        (&folder, server)
-    };
-    let file = data.join(FILE);
-    if back && file.exists() {
-        let sentence = format!(
-            "{} is there: the lab comes back to a folder without a database",
-            file.display()
-        );
-        return Err(StoreError::Invalid(sentence));
-    }
-    if !back && !std::fs::metadata(&file).is_ok_and(|file| file.len() > 0) {
-        let sentence = format!("{} is missing or empty: there is no lab", file.display());
-        return Err(StoreError::Invalid(sentence));
-    }
-    let moved = copy_all(&Database::at(from, data), &Database::at(to, data)).await;
-    if back && moved.is_err() {
-        // what was begun is no database
-        let _ = std::fs::remove_file(&file);
-    }
-    let report = moved?;
-    if !back {
-        // so that no server goes on with it
-        let put_away = data.join(format!("{FILE}.moved"));
-        let rename = std::fs::rename(&file, &put_away).and_then(|()| sync_folder(data));
-        rename.map_err(StoreError::file(&file))?;
-    }
-    Ok(report)
+pub fn move_store<'a>(
+    data: &'a Path,
+    server: &'a DatabasePlace,
+    back: bool,
+) -> BoxFuture<'a, Result<MoveReport>> {
+    // boxed, it is compiled once and not again in everything that awaits it
+    Box::pin(async move {
+        private_folder(data)?;
+        let _lock = lock(data, &DatabasePlace::Folder)?;
+        let folder = DatabasePlace::Folder;
+        let (from, to) = if back {
+            (server, &folder)
+        } else {
+            (&folder, server)
+        };
+        let file = data.join(FILE);
+        if back && file.exists() {
+            let sentence = format!(
+                "{} is there: the lab comes back to a folder without a database",
+                file.display()
+            );
+            return Err(StoreError::Invalid(sentence));
+        }
+        if !back && !std::fs::metadata(&file).is_ok_and(|file| file.len() > 0) {
+            let sentence = format!("{} is missing or empty: there is no lab", file.display());
+            return Err(StoreError::Invalid(sentence));
+        }
+        let moved = copy_all(&Database::at(from, data), &Database::at(to, data)).await;
+        if back && moved.is_err() {
+            // what was begun is no database
+            let _ = std::fs::remove_file(&file);
+        }
+        let report = moved?;
+        if !back {
+            // so that no server goes on with it
+            let put_away = data.join(format!("{FILE}.moved"));
+            let rename = std::fs::rename(&file, &put_away).and_then(|()| sync_folder(data));
+            rename.map_err(StoreError::file(&file))?;
+        }
+        Ok(report)
+    })
 }
 
 async fn copy_all(from: &Database, to: &Database) -> Result<MoveReport> {

@@ -1,9 +1,9 @@
 //! Opening the store.
 use std::fs::{File, TryLockError};
 use std::path::Path;
-use std::pin::Pin;
 use std::sync::{Arc, Mutex};
 
+use futures_util::future::BoxFuture;
 use tokio::sync::{OnceCell, mpsc, watch};
 
 use super::blobs::Blobs;
@@ -35,7 +35,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::InUse`] when another server has the folder; [`StoreError::NotTogether`] when the
     /// database and the files are not those of one store; file and database errors.
-    pub fn open(options: StoreOptions) -> Pin<Box<dyn Future<Output = Result<Self>> + Send>> {
+    pub fn open(options: StoreOptions) -> BoxFuture<'static, Result<Self>> {
         // boxed, it is compiled once and not again in everything that opens a store
         Box::pin(Self::open_alone(options))
     }
@@ -59,13 +59,15 @@ impl Store {
     ///
     /// # Errors
     /// File and database errors.
-    pub async fn open_beside(mut options: StoreOptions) -> Result<Self> {
-        private_folder(&options.data)?;
-        if matches!(options.database, DatabasePlace::Folder) {
-            refuse_network(&options.data)?;
-        }
-        options.files = place_beside(&options.data, options.files)?;
-        Self::connect(options, None).await
+    pub fn open_beside(mut options: StoreOptions) -> BoxFuture<'static, Result<Self>> {
+        Box::pin(async move {
+            private_folder(&options.data)?;
+            if matches!(options.database, DatabasePlace::Folder) {
+                refuse_network(&options.data)?;
+            }
+            options.files = place_beside(&options.data, options.files)?;
+            Self::connect(options, None).await
+        })
     }
 
     /// Opens it; where the disk is too full for that, on the room of the reserve.

@@ -2,6 +2,7 @@
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use futures_util::future::BoxFuture;
 use serde::Serialize;
 use uuid::Uuid;
 
@@ -113,39 +114,42 @@ impl Store {
     ///
     /// # Errors
     /// The database's and the folder's.
-    pub async fn scrub(&self, pace: Option<f64>) -> Result<ScrubReport> {
-        let mut report = ScrubReport::default();
-        let mut last = String::new();
-        loop {
-            let mut connection = self.reads().acquire().await?;
-            let contents = Content::after(&mut connection, &last).await?;
-            drop(connection);
-            let Some(end) = contents.last() else {
-                break;
-            };
-            last.clone_from(&end.sha256);
-            for content in contents {
-                let bytes = content.bytes.unsigned_abs();
-                let found = self.blobs().examine(&content.sha256, bytes).await?;
-                report.files += 1;
-                report.bytes += bytes;
-                if let Some(loss) = found {
-                    // what was deleted meanwhile has no owners any more
-                    let mut connection = self.reads().acquire().await?;
-                    report
-                        .lost
-                        .extend(content.lost(&mut connection, loss).await?);
-                }
-                if let Some(pace) = pace {
-                    tokio::time::sleep(Duration::from_secs_f64(bytes as f64 / pace)).await;
+    pub fn scrub(&self, pace: Option<f64>) -> BoxFuture<'_, Result<ScrubReport>> {
+        // boxed, it is compiled once and not again in everything that awaits it
+        Box::pin(async move {
+            let mut report = ScrubReport::default();
+            let mut last = String::new();
+            loop {
+                let mut connection = self.reads().acquire().await?;
+                let contents = Content::after(&mut connection, &last).await?;
+                drop(connection);
+                let Some(end) = contents.last() else {
+                    break;
+                };
+                last.clone_from(&end.sha256);
+                for content in contents {
+                    let bytes = content.bytes.unsigned_abs();
+                    let found = self.blobs().examine(&content.sha256, bytes).await?;
+                    report.files += 1;
+                    report.bytes += bytes;
+                    if let Some(loss) = found {
+                        // what was deleted meanwhile has no owners any more
+                        let mut connection = self.reads().acquire().await?;
+                        report
+                            .lost
+                            .extend(content.lost(&mut connection, loss).await?);
+                    }
+                    if let Some(pace) = pace {
+                        tokio::time::sleep(Duration::from_secs_f64(bytes as f64 / pace)).await;
+                    }
                 }
             }
-        }
-        let storage = &self.blobs().storage;
-        report.unnamed = collector::count_unnamed(storage, self.reads()).await?;
-        let lost = report.lost.len() as u64;
-        self.blobs().faults.lost.store(lost, Ordering::Relaxed);
-        Ok(report)
+            let storage = &self.blobs().storage;
+            report.unnamed = collector::count_unnamed(storage, self.reads()).await?;
+            let lost = report.lost.len() as u64;
+            self.blobs().faults.lost.store(lost, Ordering::Relaxed);
+            Ok(report)
+        })
     }
 
     /// Lets files that no job names, and that wait for days or for a person, be removed when the folder
