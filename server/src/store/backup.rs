@@ -2,8 +2,9 @@
 //!
 //! A backup takes the database first, as it is at one moment, and then the files that it names, each held
 //! against its SHA-256; from a bucket they come into the backup's folder all the same, so that a backup is
-//! whole by itself. A file that was deleted in between is not missed by a database taken after it: so
-//! what is missing is looked for again in a newer one. The database is put in its place last: a folder
+//! whole by itself. Meanwhile the server removes none, so that what is missing is lost. (A server of an earlier
+//! version does remove files; those are not missed by a database taken later: so what is missing is looked for
+//! again in a newer one.) The database is put in its place last: a folder
 //! without it is no backup, and one that was broken off is not taken for whole. A restore goes the same
 //! way.
 use std::path::Path;
@@ -17,6 +18,7 @@ use super::disk::{blocking, hash_of, sync_folder};
 use super::error::{Loss, Result, StoreError};
 use super::identity::Mark;
 use super::people::WEBHOOK_KEY;
+use super::removal::remove_none;
 use super::scrub::{Content, LostFile};
 use super::storage::Storage;
 use super::types::FilesPlace;
@@ -60,6 +62,7 @@ pub fn backup_from<'a>(
         let from = Storage::of(data, &files)?;
         let into = Storage::of(to, &FilesPlace::Folder)?;
         require_empty(to, &into).await?;
+        let nothing_goes = remove_none(data).await?;
         let mut missing = Vec::new();
         let mut report = BackupReport::default();
         for _ in 0..ROUNDS {
@@ -71,6 +74,7 @@ pub fn backup_from<'a>(
             // perhaps their jobs were deleted after the database was taken
             missing.clone_from(&report.lost);
         }
+        drop(nothing_goes);
         copy_key(data, to)?;
         finish(to, &into).await?;
         Ok(report)

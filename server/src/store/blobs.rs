@@ -17,10 +17,11 @@ use uuid::Uuid;
 
 use super::arriving::{Incoming, Received, SMALLEST_PART};
 use super::bucket::Found;
-use super::collector::{Collector, Faults, Garbage};
+use super::collector::{Collector, Faults, Garbage, Postponed};
 use super::database::{Held, Pool, Sharing};
 use super::disk::{CHUNK, blocking};
 use super::error::{Loss, Result, StoreError};
+use super::removal::Removal;
 use super::storage::{Content, Storage};
 use super::supervision::Restarts;
 
@@ -262,6 +263,7 @@ impl Blobs {
         wait: Duration,
         is_behind: bool,
         restarts: Arc<Restarts>,
+        removal: Removal,
     ) -> Collector {
         // not the whole of `self`: that can report, and would keep the collector alive
         Collector {
@@ -273,6 +275,8 @@ impl Blobs {
             wait,
             is_behind,
             restarts,
+            removal,
+            postponed: Postponed::default(),
         }
     }
 }

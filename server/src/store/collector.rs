@@ -3,7 +3,8 @@
 //! What a change of this database has just let go of is removed at once. What lies there without a row
 //! when the folder is looked through may be what a crash left, or what only another database knows: it
 //! waits, is counted, and is removed when nobody has claimed it for days. Beside an older database that
-//! was put back it waits until a person says so.
+//! was put back it waits until a person says so. While a backup is taken, nothing is removed: what is reported
+//! waits for its end, but nobody who reports it does.
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,11 +18,14 @@ use super::clock::millis;
 use super::database::{Pool, Sharing, query_scalar};
 use super::encoding::{json, parsed};
 use super::error::Result;
+use super::removal::Removal;
 use super::storage::Storage;
 use super::supervision::{Restarts, caught};
 
 /// Names looked up at a time.
 const NAMES_AT_ONCE: usize = 500;
+/// How often it is asked whether a backup has ended.
+const ASK_EVERY: Duration = Duration::from_secs(1);
 
 /// Work for the collector.
 #[derive(Debug)]
@@ -64,17 +68,41 @@ pub(super) struct Collector {
     /// Whether what is found first waits for a person.
     pub(super) is_behind: bool,
     pub(super) restarts: Arc<Restarts>,
+    pub(super) removal: Removal,
+    pub(super) postponed: Postponed,
+}
+
+/// What was reported during a backup.
+#[derive(Debug, Default)]
+pub(super) struct Postponed {
+    names: Vec<String>,
+    any: bool,
 }
 
 impl Collector {
     /// Removes what no row names, as it is reported; ends with the last reporter.
     pub(super) async fn run(mut self, mut reports: mpsc::UnboundedReceiver<Garbage>) {
-        while let Some(report) = reports.recv().await {
+        loop {
+            let waits = self.postponed.any || !self.postponed.names.is_empty();
+            let report = tokio::select! {
+                report = reports.recv() => match report {
+                    Some(report) => report,
+                    // what waits is found when the next server looks through the folder
+                    None => return,
+                },
+                () = tokio::time::sleep(ASK_EVERY), if waits => Garbage::Perhaps(Vec::new()),
+            };
             let restarts = Arc::clone(&self.restarts);
             let work = async {
                 match report {
-                    Garbage::Perhaps(names) => self.remove_unnamed(names).await,
-                    Garbage::PerhapsAny => self.look_through().await,
+                    Garbage::Perhaps(names) => {
+                        self.postponed.names.extend(names);
+                        self.remove().await
+                    }
+                    Garbage::PerhapsAny => {
+                        self.postponed.any = true;
+                        self.remove().await
+                    }
                     Garbage::Barrier(done) => {
                         // whoever waited may have gone
                         let _ = done.send(());
@@ -88,6 +116,21 @@ impl Collector {
                 tracing::error!(%error, "files without a row stay for now");
             }
         }
+    }
+
+    /// Does all that was reported, unless a backup is being taken.
+    async fn remove(&mut self) -> Result<()> {
+        let Some(turn) = self.removal.begin()? else {
+            return Ok(());
+        };
+        let Postponed { names, any } = std::mem::take(&mut self.postponed);
+        self.remove_unnamed(names).await?;
+        if any {
+            self.look_through().await?;
+            self.is_behind = false;
+        }
+        drop(turn);
+        Ok(())
     }
 
     /// Removes those of the files that no row names, other than those that wait.
@@ -105,8 +148,9 @@ impl Collector {
         Ok(())
     }
 
-    /// Finds all files without a row, and removes those that have waited long enough.
-    async fn look_through(&mut self) -> Result<()> {
+    /// Finds all files without a row, and removes those that have waited long enough; from then on, none that
+    /// is found waits for a person by that alone.
+    async fn look_through(&self) -> Result<()> {
         let names = self.storage.names().await?;
         let known = waiting(&self.storage).await?;
         let now = Timestamp::now().as_millis();
@@ -135,7 +179,6 @@ impl Collector {
         if still != known {
             keep_waiting(&self.storage, &still).await?;
         }
-        self.is_behind = false;
         self.faults
             .unnamed
             .store(still.len() as u64, Ordering::Relaxed);

@@ -61,6 +61,7 @@ mod place;
 pub mod pointer;
 mod private;
 mod pulses;
+mod removal;
 mod reserve;
 mod scrub;
 mod search;

@@ -16,6 +16,7 @@ use super::identity::{Opening, identify, refuse_new_beside_files};
 use super::people::AccessState;
 use super::place::refuse_network;
 use super::private::{private_database, private_folder};
+use super::removal::Removal;
 use super::reserve::{Reserve, is_full};
 use super::storage::Storage;
 use super::supervision::Restarts;
@@ -155,7 +156,9 @@ impl Store {
         let wait = options.unnamed_wait;
         let restarts = Arc::<Restarts>::default();
         let reserve = Arc::new(Reserve::open(&options.data, lock.is_some()));
-        let collector = blobs.collector(reads.clone(), wait, is_behind, Arc::clone(&restarts));
+        let removal = Removal::of(&options.data)?;
+        let restarted = Arc::clone(&restarts);
+        let collector = blobs.collector(reads.clone(), wait, is_behind, restarted, removal);
         tokio::spawn(collector.run(reports));
         let announcements = Announcements {
             last_event,

@@ -358,3 +358,20 @@ async fn one_job_that_cannot_be_read_does_not_empty_the_list() {
     // nor does it keep the events of others from being told
     assert!(!lab.events_after(0, None, 100).await.unwrap().is_empty());
 }
+
+#[tokio::test]
+async fn while_a_backup_is_taken_files_stay_and_nobody_waits_for_it() {
+    let lab = Lab::open(LONG).await;
+    let id = finished(&lab, b"own").await;
+    let file = lab.file(id, "own.txt").await.unwrap();
+    let path = lab.content(id, &file).await.unwrap();
+    // what a backup holds
+    let backup = fs::File::open(lab.folder.path().join("removal.lock")).unwrap();
+    backup.lock_shared().unwrap();
+    lab.store.delete(id).await.unwrap();
+    assert!(path.exists());
+    drop(backup);
+    while path.exists() {
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+}
