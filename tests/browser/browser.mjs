@@ -1,5 +1,5 @@
 // A lab, a browser, and what tests do there again and again. Screenshots for people go to the
-// folder LOADFRAME_SCREENSHOTS.
+// folder LOADFRAME_SCREENSHOTS, if that is set.
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -21,7 +21,7 @@ const FLAGS = [
   "--disable-component-update",
   "--disable-sync",
 ];
-const SCREENSHOTS = process.env.LOADFRAME_SCREENSHOTS ?? "../../target/screenshots";
+const SCREENSHOTS = process.env.LOADFRAME_SCREENSHOTS;
 const DESKTOP = { width: 1280, height: 900 };
 export const PHONE = { width: 390, height: 844 };
 /** What such a browser tells of itself where a picture in three dimensions comes to the page. */
@@ -35,7 +35,7 @@ let browser;
 
 /** Starts a lab, with these options, and a browser. */
 export async function open(options) {
-  mkdirSync(SCREENSHOTS, { recursive: true });
+  if (SCREENSHOTS) mkdirSync(SCREENSHOTS, { recursive: true });
   lab = await startLab(options);
   browser = await chromium.launch({ executablePath: CHROMIUM, args: FLAGS });
 }
@@ -81,13 +81,21 @@ export async function visit(address, act, { viewport = DESKTOP, expected = null,
 }
 
 export const part = (page, name) => page.getByTestId(name);
-export const picture = (page, name) => page.screenshot({ path: `${SCREENSHOTS}/${name}.png`, fullPage: true });
+/** For people to look at, who ask for it. */
+export const picture = (page, name) =>
+  SCREENSHOTS && page.screenshot({ path: `${SCREENSHOTS}/${name}.png`, fullPage: true });
 export const state = (page, name) => page.locator(`[data-testid=status][data-state=${name}]`).first();
 
-/** Axe finds nothing. */
-export async function isAccessible(page, where) {
+/** All that axe knows of colours. */
+export const OF_COLOURS = ["color-contrast", "link-in-text-block"];
+
+/** Axe finds nothing, by all its rules or by these. */
+export async function isAccessible(page, where, rules = null) {
   await page.evaluate(AXE);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  const { violations } = await page.evaluate(
+    (only) => globalThis.axe.run(only === null ? {} : { runOnly: { type: "rule", values: only } }),
+    rules,
+  );
   const lines = violations.flatMap(({ id, nodes }) =>
     nodes.map((node) => `${id}: ${node.html}\n${node.failureSummary}`),
   );
