@@ -10,6 +10,8 @@ export default defineConfig({
     outDir: "dist",
     emptyOutDir: true,
     assetsDir: "assets",
+    // Otherwise the icon, which HTML and a component name, is in the script or not, as chance has it.
+    assetsInlineLimit: 0,
     modulePreload: false,
     // Names whose work is in the page.
     license: { fileName: "licenses.md" },

@@ -8,6 +8,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use loadframe_api::people::{Scope, Visibility};
 use loadframe_server::store::people::Actor;
+use memchr::memmem;
 use serde_json::json;
 use tracing_subscriber::filter::dynamic_filter_fn;
 use tracing_subscriber::fmt::MakeWriter;
@@ -50,9 +51,7 @@ impl<'a> MakeWriter<'a> for Kept {
 }
 
 fn holds(bytes: &[u8], text: &str) -> bool {
-    bytes
-        .windows(text.len())
-        .any(|part| part == text.as_bytes())
+    memmem::find(bytes, text.as_bytes()).is_some()
 }
 
 #[tokio::test]
