@@ -6,7 +6,6 @@
 //! vocabulary of `loadframe-api` and asks the [`store`], which alone knows SQL and files.
 //! What happens is told by [`telling`], through [`webhooks`] and [`mail`].
 pub mod access;
-mod blocking;
 pub mod config;
 pub mod connections;
 pub mod http;
@@ -15,6 +14,7 @@ pub mod queue;
 mod serve;
 pub mod single_sign_on;
 pub mod store;
+mod tasks;
 pub mod telling;
 pub mod webhooks;
 

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use tokio::net::TcpListener;
-use tokio::task::{JoinHandle, JoinSet};
+use tokio::task::JoinHandle;
+use tokio_util::task::AbortOnDropHandle;
 
 use crate::config::{SHUTDOWN_GRACE, ServeConfig};
 use crate::connections::{Listening, Tls, TlsError};
 use crate::http::{self, AppState};
 use crate::store::{Store, StoreError};
-use crate::telling;
+use crate::{tasks, telling};
 
 /// Wait before a task that ended is started again.
 const BEFORE_RESTART: Duration = Duration::from_secs(1);
@@ -170,11 +171,13 @@ fn keep_up<F: Future<Output = ()> + Send + 'static>(
     name: &'static str,
     task: impl Fn() -> F + Send + 'static,
 ) -> JoinHandle<()> {
-    tokio::spawn(async move {
+    kept_up(name, Box::new(move || tasks::spawn(task())))
+}
+
+fn kept_up(name: &'static str, begin: Box<dyn Fn() -> JoinHandle<()> + Send>) -> JoinHandle<()> {
+    tasks::spawn(async move {
         loop {
-            // a set aborts what is in it when it is dropped
-            let mut running = JoinSet::from_iter([task()]);
-            let end = running.join_next().await;
+            let end = AbortOnDropHandle::new(begin()).await;
             tracing::error!(task = name, ?end, "a task ended and is started again");
             tokio::time::sleep(BEFORE_RESTART).await;
         }

@@ -18,7 +18,7 @@ use zip::{CompressionMethod, ZipWriter};
 use super::AppState;
 use super::permit::{JobPermit, ReadFiles};
 use super::problem::{ApiError, Result};
-use crate::blocking::blocking;
+use crate::tasks::blocking;
 
 /// What is written at a time [bytes].
 const PIECE: usize = 64 << 10;

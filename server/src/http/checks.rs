@@ -16,7 +16,7 @@ use tokio::time::timeout;
 
 use super::access::bearer;
 use super::problem::{ApiError, Result, TOO_MANY_REQUESTS};
-use crate::blocking::blocking;
+use crate::tasks::blocking;
 
 /// Bodies of one client that are checked or wait for it.
 const A_CLIENT: usize = 256;

@@ -9,8 +9,8 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{Problem, SubmissionError, Violation};
 
-use crate::blocking::NotDone;
 use crate::store::StoreError;
+use crate::tasks::NotDone;
 
 /// Media type of every error answer.
 pub const PROBLEM_JSON: &str = "application/problem+json";

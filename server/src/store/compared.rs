@@ -11,7 +11,7 @@ use super::encoding::{parsed, variant};
 use super::error::{Result, StoreError};
 use super::jobs::hex_names;
 use crate::access::Sight;
-use crate::blocking::blocking;
+use crate::tasks::blocking;
 
 /// Blocks of a curve that are read at once: some MB.
 const BLOCKS: i64 = 64;

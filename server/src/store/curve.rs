@@ -10,7 +10,7 @@ use super::encoding::{json, parsed};
 use super::error::{Result, StoreError};
 use super::lease::LeasedAttempt;
 use super::writer::Change;
-use crate::blocking::blocking;
+use crate::tasks::blocking;
 
 /// Size of a full block before compression [bytes].
 const BLOCK_BYTES: usize = 100_000;

@@ -42,6 +42,6 @@ pub(super) async fn blocking<T: Send + 'static>(
     path: &Path,
     work: impl FnOnce() -> std::io::Result<T> + Send + 'static,
 ) -> Result<T> {
-    let done = crate::blocking::blocking(work).await?;
+    let done = crate::tasks::blocking(work).await?;
     done.map_err(StoreError::file(path))
 }

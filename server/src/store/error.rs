@@ -5,7 +5,7 @@ use serde::Serialize;
 use uuid::Uuid;
 
 use super::database::refuses_text;
-use crate::blocking::NotDone;
+use crate::tasks::NotDone;
 
 /// What the store gives, or why not.
 pub(super) type Result<T, E = StoreError> = std::result::Result<T, E>;

@@ -23,6 +23,7 @@ use super::supervision::Restarts;
 use super::types::StoreOptions;
 use super::where_files::{place_beside, record, require_same};
 use super::writer::{Announcements, Guards, Writer};
+use crate::tasks;
 
 /// Reads at once.
 const READERS: u32 = 4;
@@ -52,7 +53,7 @@ impl Store {
         store.require_same_key().await?;
         store.renew_leases().await?;
         store.blobs().recover().await?;
-        tokio::spawn(store.clone().sweep_bucket());
+        tasks::spawn(store.clone().sweep_bucket());
         Ok(store)
     }
 
@@ -145,7 +146,7 @@ impl Store {
         }
         let sharing = database.sharing().await?;
         let access = AccessState::read(&lookups).await?;
-        tokio::spawn(access.clone().keep_fresh(lookups.clone()));
+        tasks::spawn(access.clone().keep_fresh(lookups.clone()));
 
         let (last_event, last_event_receiver) =
             watch::channel(last.unwrap_or_default().unsigned_abs());
@@ -159,7 +160,7 @@ impl Store {
         let removal = Removal::of(&options.data)?;
         let restarted = Arc::clone(&restarts);
         let collector = blobs.collector(reads.clone(), wait, is_behind, restarted, removal);
-        tokio::spawn(collector.run(reports));
+        tasks::spawn(collector.run(reports));
         let announcements = Announcements {
             last_event,
             queued,
@@ -167,12 +168,12 @@ impl Store {
             garbage,
         };
         let listening = sharing.clone();
-        tokio::spawn(listening.keep_listening(
+        tasks::spawn(listening.keep_listening(
             announcements.last_event.clone(),
             announcements.queued.clone(),
         ));
         let calls = Arc::<Calls>::default();
-        tokio::spawn(Arc::clone(&calls).keep_calling(lookups.clone(), queued_receiver.clone()));
+        tasks::spawn(Arc::clone(&calls).keep_calling(lookups.clone(), queued_receiver.clone()));
         let guards = Guards {
             reserve: Arc::clone(&reserve),
             restarts: Arc::clone(&restarts),

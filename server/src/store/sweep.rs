@@ -13,6 +13,7 @@ use super::error::{Result, StoreError, chain};
 use super::state::{Ending, LifecycleRow};
 use super::writer::{Change, EventType};
 use crate::queue::{Input, LOSSES_UNTIL_QUARANTINE, State, transition};
+use crate::tasks;
 
 /// The sweeper's step.
 const EVERY: Duration = Duration::from_secs(1);
@@ -118,7 +119,7 @@ impl Store {
                     tracing::error!(%error, "parts of uploads could not be removed");
                 }
                 // a slow bucket keeps no lease waiting
-                tokio::spawn(self.clone().sweep_bucket());
+                tasks::spawn(self.clone().sweep_bucket());
                 if let Err(error) = self.tidy().await {
                     tracing::error!(%error, "old traces could not be removed");
                 }

@@ -28,6 +28,7 @@ use super::error::{Result, StoreError};
 use super::people::{Actor, Line};
 use super::reserve::{Reserve, told_full};
 use super::supervision::{Restarts, caught, until_done};
+use crate::tasks;
 
 /// Commands in one commit; beyond this, the first of them would wait too long for the last.
 const LARGEST_BATCH: usize = 256;
@@ -250,7 +251,7 @@ impl Writer {
             full: None,
             effects: Effects::default(),
         };
-        tokio::spawn(run(change, database, waiting, announcements, guards));
+        tasks::spawn(run(change, database, waiting, announcements, guards));
         Self { commands }
     }
 

@@ -16,8 +16,8 @@ use super::super::decimate::Decimation;
 use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, INVALID, Result};
 use super::selection::comparing;
-use crate::blocking::blocking;
 use crate::store::{Compared, CurvePart, Store, StoreError};
+use crate::tasks::blocking;
 
 /// Points of a curve unless asked otherwise: more than a screen has columns for a few hundred curves.
 const POINTS: u64 = 1_000;

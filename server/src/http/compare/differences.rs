@@ -15,8 +15,8 @@ use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, Result};
 use super::fields::{Fields, told};
 use super::selection::comparing;
-use crate::blocking::blocking;
 use crate::store::{Compared, Store};
+use crate::tasks::blocking;
 
 /// Longest spec that is looked at field by field [bytes].
 const LONGEST_SPEC: u64 = 200_000;

@@ -12,8 +12,8 @@ use super::super::compare::fields::Fields;
 use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, Result};
 use super::list::kind_schema;
-use crate::blocking::blocking;
 use crate::store::JobFilter;
+use crate::tasks::blocking;
 
 /// Jobs that are looked at.
 const LOOKED_AT: u32 = 100;

@@ -23,7 +23,7 @@ use super::super::origin::{Way, way};
 use super::super::permit::{ManageOwn, Permit, Trace};
 use super::super::problem::{ApiError, CONFLICT, FORBIDDEN, IN_THE_CLEAR, Result, WRONG_PASSWORD};
 use crate::access::{Credential, password};
-use crate::blocking::blocking;
+use crate::tasks::blocking;
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()

@@ -10,7 +10,7 @@ use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
 use super::checks::{clean_name, folded, refused};
 use crate::access::password;
-use crate::blocking::blocking;
+use crate::tasks::blocking;
 
 row! {
     pub(super) struct PersonRow {

@@ -16,6 +16,7 @@ use super::super::encoding::{parsed, variant};
 use super::super::error::{Result, StoreError};
 use super::remembered::{Remembered, Secret, Versions};
 use crate::access::{Caller, Credential, Identity, JobFacts, Link, Person, ProjectFacts};
+use crate::tasks;
 
 /// A session that nobody used for so long has ended [ms].
 pub(super) const LONGEST_IDLE: i64 = 7 * 24 * 3_600_000;
@@ -348,7 +349,7 @@ impl Store {
     /// Writes down that a credential was used, without making its request wait for the disk.
     fn note_use(&self, statement: &'static str, id: Uuid, now: i64) {
         let store = self.clone();
-        tokio::spawn(async move {
+        tasks::spawn(async move {
             let noted = store.write(move |change| {
                 Box::pin(async move {
                     query(statement)

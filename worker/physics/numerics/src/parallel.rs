@@ -3,10 +3,18 @@
 //! A floating sum depends on its order. Here every pass is cut into chunks of a fixed size, each
 //! chunk is summed from front to back, and the chunk sums are folded in order; one thread walks
 //! the same chunks. A plain parallel sum would change its bits with the thread count.
+//!
+//! What is generic here only wraps what it is given: all that knows of threads takes `dyn` work, and is
+//! compiled once. For each kind of work the compiler would make hundreds of functions of it.
 mod passes;
 
-use passes::Order;
-use rayon::prelude::*;
+use std::{
+    mem,
+    sync::{Mutex, PoisonError},
+};
+
+use passes::{Order, open};
+use rayon::{ThreadPool, prelude::*};
 
 /// Items in a chunk: long enough to hide the cost of handing it out (about 10 µs of work for
 /// bonds), short enough to share a few ten thousand bonds among 8 threads.
@@ -65,7 +73,9 @@ impl Team {
     pub fn gather<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         match &self.pool {
             Some(pool) if pool.current_thread_index().is_none() => {
-                pool.install(|| passes::attended(work))
+                let mut task = Task::of(work);
+                within(pool, &mut || passes::attended(&mut || task.work()));
+                task.result()
             }
             _ => work(),
         }
@@ -78,7 +88,11 @@ impl Team {
         second: impl FnOnce() -> B + Send,
     ) -> (A, B) {
         match &self.pool {
-            Some(pool) => pool.join(first, second),
+            Some(pool) => {
+                let (mut first, mut second) = (Task::of(first), Task::of(second));
+                join(pool, &mut || first.work(), &mut || second.work());
+                (first.result(), second.result())
+            }
             None => (first(), second()),
         }
     }
@@ -108,10 +122,18 @@ impl Team {
         items: Vec<T>,
         work: impl Fn(T) -> R + Sync + Send,
     ) -> Vec<R> {
-        match &self.pool {
-            Some(pool) if items.len() > 1 => pool.install(|| passes::shared(items, order, &work)),
-            _ => items.into_iter().map(work).collect(),
-        }
+        let pool = match &self.pool {
+            Some(pool) if items.len() > 1 => pool,
+            _ => return items.into_iter().map(work).collect(),
+        };
+        let tasks = items.into_iter().map(|item| Task::of(|| work(item)));
+        let tasks: Vec<_> = tasks.map(Mutex::new).collect();
+        within(pool, &mut || {
+            passes::shared(tasks.len(), order, &|place| open(&tasks[place]).work());
+        });
+        let done = tasks.into_iter().map(Mutex::into_inner);
+        done.map(|task| task.unwrap_or_else(PoisonError::into_inner).result())
+            .collect()
     }
 
     /// Lets `work` fill chunk after chunk of `items` and sums what it returns. `work` is given the
@@ -123,11 +145,9 @@ impl Team {
     ) -> f64 {
         match &self.pool {
             Some(pool) if items.len() > CHUNK => {
-                let sums: Vec<f64> = pool.install(|| {
-                    let chunks = items.par_chunks_mut(CHUNK).enumerate();
-                    chunks
-                        .map(|(chunk, items)| work(chunk * CHUNK, items))
-                        .collect()
+                let chunks: Vec<_> = items.chunks_mut(CHUNK).map(Mutex::new).collect();
+                let sums = sums(pool, chunks.len(), &|chunk| {
+                    work(chunk * CHUNK, &mut open(&chunks[chunk]))
                 });
                 sums.iter().sum()
             }
@@ -139,6 +159,48 @@ impl Team {
             }
         }
     }
+}
+
+/// Work to be done once, and its result.
+enum Task<W, R> {
+    Waiting(W),
+    Begun,
+    Done(R),
+}
+
+impl<W: FnOnce() -> R, R> Task<W, R> {
+    fn of(work: W) -> Self {
+        Self::Waiting(work)
+    }
+
+    fn work(&mut self) {
+        if let Self::Waiting(work) = mem::replace(self, Self::Begun) {
+            *self = Self::Done(work());
+        }
+    }
+
+    /// # Panics
+    /// When it was not done: who works with others has panicked before, if any of them did.
+    fn result(self) -> R {
+        match self {
+            Self::Done(result) => result,
+            Self::Waiting(_) | Self::Begun => unreachable!("the work was done"),
+        }
+    }
+}
+
+/// Does `work` in a thread of the pool.
+fn within(pool: &ThreadPool, work: &mut (dyn FnMut() + Send)) {
+    pool.install(work);
+}
+
+fn join(pool: &ThreadPool, first: &mut (dyn FnMut() + Send), second: &mut (dyn FnMut() + Send)) {
+    pool.join(first, second);
+}
+
+/// What `work` returns for each of so many places.
+fn sums(pool: &ThreadPool, count: usize, work: &(dyn Fn(usize) -> f64 + Sync)) -> Vec<f64> {
+    pool.install(|| (0..count).into_par_iter().map(work).collect())
 }
 
 #[cfg(test)]

@@ -15,12 +15,12 @@
 //! Source: of (G.20) Yade's `Ig2_Facet_Sphere_ScGeom`.
 use loadframe_api::surface::{Point, along, dot, minus};
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
 use super::{
     Depths, Passage, Scenery, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::Law,
+    packed::Columns,
     past::Past,
     stiffness::Springs,
 };
@@ -37,7 +37,7 @@ use crate::{
 };
 
 /// Spheres and facets of a block.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Visits {
     pub(super) particles: [u32; LANES],
     pub(super) facets: [u32; LANES],
@@ -46,18 +46,15 @@ pub(super) struct Visits {
 type FacetBlock<F> = Block<Visits, F>;
 
 /// Candidates of a patch's spheres.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, Default)]
 pub(super) struct FacetList<F: Law> {
     /// How many facets are near each sphere that has any.
-    visitors: Vec<u32>,
+    pub(super) visitors: Vec<u32>,
     /// Candidates of one sphere after those of another, without a gap.
     pub(super) list: Blocks<Visits, F>,
     /// What the sphere at work reaches.
-    #[serde(skip)]
     near: Vec<Near>,
     /// What counts of that in blocks that wait for their last sphere, by slot.
-    #[serde(skip)]
     reached: Vec<Near>,
 }
 
@@ -74,6 +71,11 @@ impl Ends for Visits {
 
     fn set(&mut self, lane: usize, ends: [u32; 2]) {
         [self.particles[lane], self.facets[lane]] = ends;
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        columns.ends(&mut self.particles);
+        columns.ends(&mut self.facets);
     }
 }
 
@@ -121,7 +123,7 @@ impl<F: Law> FacetList<F> {
         let (mut slot, mut pushed) = (0, 0);
         for visitor in 0..self.visitors.len() {
             slot = self.look(scenery, self.visitors[visitor], slot);
-            let is_last = slot == self.list.count;
+            let is_last = slot == self.list.state.count;
             let whole = if is_last {
                 self.list.blocks.len()
             } else {
@@ -149,7 +151,11 @@ impl<F: Law> FacetList<F> {
         if scenery.facets.rule == FacetRule::Once && self.near.len() > 1 {
             (scenery.facets).settle(scenery.poses, &mut self.near, sphere.0[3]);
             if F::IS_ROUGH || F::FEELS_SPEED {
-                hand_over(&self.near, &mut self.list.blocks, &mut self.list.touching);
+                hand_over(
+                    &self.near,
+                    &mut self.list.blocks,
+                    &mut self.list.state.touching,
+                );
             }
         }
         let counting = self.near.iter().filter(|near| near.heir.is_none());

@@ -2,16 +2,16 @@
 //!
 //! [`Lists`] is all that the engine knows of them: a few calls a step. What is generic over the law
 //! is behind it, so that the rest of the engine is compiled once and not for every law.
-use std::fmt::Debug;
+use std::fmt::{self, Debug, Formatter};
 
 use loadframe_harness::checkpoint::{self, CheckpointError};
 use pulp::{Arch, Simd, WithSimd};
-use serde::{Deserialize, Serialize};
 
 use super::{
     Deepest, Depths, Passage, Scenery,
     facets::{FacetCandidate, FacetList, Sides},
     law::Law,
+    packed::{PackedList, PackedLists},
     pairs::PairList,
     past::Past,
     planes::WallList,
@@ -80,8 +80,7 @@ pub(crate) trait Lists: Debug + Send + Sync {
 }
 
 /// The lists of a patch under one law.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Default)]
 pub(super) struct PatchLists<F: Law> {
     /// Contacts within the patch.
     inner: PairList<F>,
@@ -93,13 +92,35 @@ pub(super) struct PatchLists<F: Law> {
     facets: FacetList<F>,
 }
 
+/// How many there are. (What all of them remember nobody could read, and 19 laws would have to tell.)
+impl<F: Law> Debug for PatchLists<F> {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        let mut lists = formatter.debug_struct("PatchLists");
+        lists.field("candidates", &self.candidates());
+        lists.finish_non_exhaustive()
+    }
+}
+
 impl<F: Law> PatchLists<F> {
     /// Reads what [`Lists::pack`] wrote.
     ///
     /// # Errors
     /// When the bytes are those of something else.
     pub(super) fn unpack(bytes: &[u8]) -> Result<Self, CheckpointError> {
-        postcard::from_bytes(bytes).map_err(checkpoint::form)
+        let packed: PackedLists = postcard::from_bytes(bytes).map_err(checkpoint::form)?;
+        let mut lists = Self::default();
+        packed.inner.fill(&mut lists.inner.list)?;
+        packed.outer.fill(&mut lists.outer.list)?;
+        lists.outer.places = packed.places;
+        lists
+            .walls
+            .resize_with(packed.walls.len(), WallList::default);
+        for (wall, packed) in lists.walls.iter_mut().zip(packed.walls) {
+            packed.fill(&mut wall.list)?;
+        }
+        packed.facets.fill(&mut lists.facets.list)?;
+        lists.facets.visitors = packed.visitors;
+        Ok(lists)
     }
 }
 
@@ -168,7 +189,7 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn candidates(&self) -> usize {
-        self.inner.list.count + self.outer.list.count + self.facets.list.count
+        self.inner.list.state.count + self.outer.list.state.count + self.facets.list.state.count
     }
 
     fn bytes(&self) -> usize {
@@ -177,7 +198,16 @@ impl<F: Law> Lists for PatchLists<F> {
     }
 
     fn pack(&self) -> Result<Vec<u8>, CheckpointError> {
-        postcard::to_stdvec(self).map_err(checkpoint::form)
+        let walls = self.walls.iter();
+        let packed = PackedLists {
+            inner: PackedList::of(&self.inner.list),
+            outer: PackedList::of(&self.outer.list),
+            places: self.outer.places.clone(),
+            walls: walls.map(|wall| PackedList::of(&wall.list)).collect(),
+            facets: PackedList::of(&self.facets.list),
+            visitors: self.facets.visitors.clone(),
+        };
+        postcard::to_stdvec(&packed).map_err(checkpoint::form)
     }
 }
 

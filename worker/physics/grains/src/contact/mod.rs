@@ -23,6 +23,7 @@ pub(crate) mod chosen;
 pub(crate) mod facets;
 pub(crate) mod law;
 pub(crate) mod lists;
+mod packed;
 mod pairs;
 pub(crate) mod past;
 mod planes;
@@ -39,7 +40,7 @@ use crate::{
     numbers::{
         ahead::ask,
         lanes::{LANES, Lanes, Vectors},
-        rows::{Gathered, Row, scatter},
+        rows::{Gathered, Row, Scattered},
     },
     walls::{
         Face,
@@ -225,36 +226,33 @@ impl<S: Simd> Push<S> {
         radius: Lanes<S>,
         act: &mut impl FnMut(usize, [f64; 4], [f64; 4], Option<[f64; 4]>),
     ) {
-        let none = Lanes::splat(simd, 0.0);
+        let fourth = Lanes::splat(simd, 0.0);
         let arm = radius - Lanes::splat(simd, 0.5) * touch.overlap;
-        let force = Gathered {
-            vector: touch.normal.scaled(self.normal) + self.shear,
-            fourth: none,
-        };
-        let moment = touch.normal.cross(self.shear).scaled(arm);
-        let with = |vector: Vectors<S>| {
-            let gathered = Gathered {
-                vector,
-                fourth: none,
-            };
-            gathered.masked(simd, self.acts)
-        };
-        let force = force.masked(simd, self.acts);
-        match self.moment {
-            None => scatter(
-                simd,
-                [force, with(moment)],
-                part,
-                #[inline(always)]
-                |lane, [force, moment]| act(lane, force, moment, None),
-            ),
-            Some(resisting) => scatter(
-                simd,
-                [force, with(moment + resisting), with(resisting)],
-                part,
-                #[inline(always)]
-                |lane, [force, moment, resisting]| act(lane, force, moment, Some(resisting)),
-            ),
+        let vector = touch.normal.scaled(self.normal) + self.shear;
+        let force = Gathered { vector, fourth }.masked(simd, self.acts);
+        let mut vector = touch.normal.cross(self.shear).scaled(arm);
+        if let Some(resisting) = self.moment {
+            vector = vector + resisting;
         }
+        let moment = Gathered { vector, fourth }.masked(simd, self.acts);
+        let (force, moment) = (force.scatter(simd), moment.scatter(simd));
+        let resisting = self.moment_rows(simd);
+        for lane in 0..S::F64_LANES {
+            let mut own = None;
+            if let Some(rows) = &resisting {
+                own = Some(rows.row(lane));
+            }
+            let contact = part * S::F64_LANES + lane;
+            act(contact, force.row(lane), moment.row(lane), own);
+        }
+    }
+
+    /// What resists rolling, by contact; zero where it does not act.
+    #[inline(always)]
+    fn moment_rows(&self, simd: S) -> Option<Scattered<S>> {
+        let vector = self.moment?;
+        let fourth = Lanes::splat(simd, 0.0);
+        let moment = Gathered { vector, fourth };
+        Some(moment.masked(simd, self.acts).scatter(simd))
     }
 }

@@ -10,24 +10,24 @@
 //! the second sphere belongs to a later patch: what acts on it is summed in the patch's halo, for
 //! the other to fetch.
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
 use super::{
     Depths, Kinematics, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::{Law, direction},
+    packed::Columns,
 };
 use crate::{
     motion::Wrenches,
     numbers::{
         ahead::ask,
         lanes::{LANES, Lanes, Vectors, any, bits},
-        rows::{Gathered, Row, gather, scatter},
+        rows::{Gathered, Row, gather},
     },
 };
 
 /// Particles a and b of a block; padding is a particle against itself.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Pairs {
     pub(super) a: [u32; LANES],
     pub(super) b: [u32; LANES],
@@ -36,12 +36,11 @@ pub(super) struct Pairs {
 type PairBlock<F> = Block<Pairs, F>;
 
 /// Candidates of two spheres.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, Default)]
 pub(super) struct PairList<F: Law> {
     pub(super) list: Blocks<Pairs, F>,
     /// Rows of the halo for particles b, where these belong to other patches.
-    places: Vec<[u32; LANES]>,
+    pub(super) places: Vec<[u32; LANES]>,
 }
 
 impl Ends for Pairs {
@@ -56,6 +55,11 @@ impl Ends for Pairs {
 
     fn set(&mut self, lane: usize, ends: [u32; 2]) {
         [self.a[lane], self.b[lane]] = ends;
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        columns.ends(&mut self.a);
+        columns.ends(&mut self.b);
     }
 }
 
@@ -255,27 +259,16 @@ impl<F: Law> PairBlock<F> {
                 fourth: b.fourth - half,
             };
             // a lane that does not act holds numbers without meaning, perhaps not even finite
-            let force = force.masked(simd, push.acts);
-            let torque = torque.masked(simd, push.acts);
-            match push.moment {
-                None => scatter(
-                    simd,
-                    [force, torque],
-                    part,
-                    #[inline(always)]
-                    |lane, [force, torque]| act(lane, force, torque, None),
-                ),
-                Some(vector) => {
-                    let fourth = Lanes::splat(simd, 0.0);
-                    let moment = Gathered { vector, fourth }.masked(simd, push.acts);
-                    scatter(
-                        simd,
-                        [force, torque, moment],
-                        part,
-                        #[inline(always)]
-                        |lane, [force, torque, moment]| act(lane, force, torque, Some(moment)),
-                    );
+            let force = force.masked(simd, push.acts).scatter(simd);
+            let torque = torque.masked(simd, push.acts).scatter(simd);
+            let moment = push.moment_rows(simd);
+            for lane in 0..S::F64_LANES {
+                let mut resisting = None;
+                if let Some(rows) = &moment {
+                    resisting = Some(rows.row(lane));
                 }
+                let contact = part * S::F64_LANES + lane;
+                act(contact, force.row(lane), torque.row(lane), resisting);
             }
         }
         touching

@@ -8,12 +8,12 @@
 //! All candidates of a block touch the same plane, so that the normal is one for all and never
 //! turns. Source: Yade's `Ig2_Wall_Sphere_ScGeom`.
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
 use super::{
     Deepest, Depths, Kinematics, Passage, Slip, Touch,
     blocks::{Before, Block, Blocks, Ends},
     law::Law,
+    packed::Columns,
 };
 use crate::{
     motion::Wrenches,
@@ -25,14 +25,13 @@ use crate::{
 };
 
 /// Spheres of a block.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Visitors(pub(super) [u32; LANES]);
 
 type WallBlock<F> = Block<Visitors, F>;
 
 /// Candidates of one plane.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, Default)]
 pub(super) struct WallList<F: Law> {
     pub(super) list: Blocks<Visitors, F>,
 }
@@ -47,6 +46,10 @@ impl Ends for Visitors {
 
     fn set(&mut self, lane: usize, particle: u32) {
         self.0[lane] = particle;
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        columns.ends(&mut self.0);
     }
 }
 
@@ -101,7 +104,7 @@ impl<F: Law> WallList<F> {
         if deepest.ratio < 1.0 {
             return;
         }
-        let blocks = self.list.blocks.iter().zip(&self.list.touching);
+        let blocks = self.list.blocks.iter().zip(&self.list.state.touching);
         for (block, bits) in blocks {
             for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
                 let particle = block.ends.0[lane];

@@ -108,7 +108,9 @@ impl Tangent<'_> {
     #[inline(always)]
     pub(super) fn load<S: Simd>(self, simd: S, part: usize) -> [Lanes<S>; 2] {
         match self {
-            Self::One(values) => values.map(|value| Lanes::splat(simd, value)),
+            Self::One([ratio, friction]) => {
+                [Lanes::splat(simd, ratio), Lanes::splat(simd, friction)]
+            }
             Self::Each([ratios, frictions]) => [
                 Lanes::load(simd, ratios, part),
                 Lanes::load(simd, frictions, part),

@@ -6,10 +6,7 @@
 //!
 //! Here and in all that kernels call, arrays are worked through by loops: functions of the standard
 //! library that take closures are compiled for the plainest machine, vectors in them included.
-use pulp::{
-    Simd,
-    bytemuck::{self, Pod},
-};
+use pulp::{Simd, bytemuck};
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -66,10 +63,14 @@ impl Row {
 /// instruction that does it cheaply mixes the lanes up, the same way in both directions.
 const SHUFFLED: [usize; LANES] = [0, 2, 1, 3, 4, 6, 5, 7];
 
-/// Place of contact `lane` among the rows of a transpose `width` lanes wide.
+/// Place of contact `lane` among the rows of a transpose.
 #[inline(always)]
-fn place(width: usize, lane: usize) -> usize {
-    if width == LANES { SHUFFLED[lane] } else { lane }
+fn place<S: Simd>(lane: usize) -> usize {
+    if S::F64_LANES == LANES {
+        SHUFFLED[lane]
+    } else {
+        lane
+    }
 }
 
 /// Rows of the particles of part number `part` of a block.
@@ -80,12 +81,13 @@ pub(crate) fn gather<S: Simd>(
     particles: &[u32; LANES],
     part: usize,
 ) -> Gathered<S> {
-    let [x, y, z, fourth] = match S::F64_LANES {
-        8 => transpose::<S, 8>(simd, rows, particles, part),
-        4 => transpose::<S, 4>(simd, rows, particles, part),
-        2 => transpose::<S, 2>(simd, rows, particles, part),
-        _ => transpose::<S, 1>(simd, rows, particles, part),
-    };
+    let mut fetched = [simd.splat_f64s(0.0); 4];
+    // as many as there are lanes
+    let slots: &mut [[f64; 4]] = bytemuck::cast_slice_mut(&mut fetched);
+    for (slot, row) in slots.iter_mut().enumerate() {
+        *row = rows[particles[part * S::F64_LANES + place::<S>(slot)] as usize].0;
+    }
+    let [x, y, z, fourth] = simd.deinterleave_shfl_f64s(fetched);
     Gathered {
         vector: Vectors {
             x: Lanes::new(simd, x),
@@ -96,66 +98,29 @@ pub(crate) fn gather<S: Simd>(
     }
 }
 
-#[inline(always)]
-fn transpose<S: Simd, const N: usize>(
-    simd: S,
-    rows: &[Row],
-    particles: &[u32; LANES],
-    part: usize,
-) -> [S::f64s; 4]
-where
-    [[f64; 4]; N]: Pod,
-{
-    let mut fetched = [[0.0; 4]; N];
-    for (slot, row) in fetched.iter_mut().enumerate() {
-        *row = rows[particles[part * N + place(N, slot)] as usize].0;
-    }
-    simd.deinterleave_shfl_f64s(bytemuck::cast::<_, [S::f64s; 4]>(fetched))
-}
+/// Columns of contacts as rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scattered<S: Simd>([S::f64s; 4]);
 
-/// Gives `each` the rows of every contact in the part, in the order of contacts whatever the width.
-#[inline(always)]
-pub(crate) fn scatter<S: Simd, const C: usize>(
-    simd: S,
-    columns: [Gathered<S>; C],
-    part: usize,
-    mut each: impl FnMut(usize, [[f64; 4]; C]),
-) {
-    match S::F64_LANES {
-        8 => hand_out::<S, 8, C>(simd, columns, part, &mut each),
-        4 => hand_out::<S, 4, C>(simd, columns, part, &mut each),
-        2 => hand_out::<S, 2, C>(simd, columns, part, &mut each),
-        _ => hand_out::<S, 1, C>(simd, columns, part, &mut each),
-    }
-}
-
-#[inline(always)]
-fn hand_out<S: Simd, const N: usize, const C: usize>(
-    simd: S,
-    columns: [Gathered<S>; C],
-    part: usize,
-    each: &mut impl FnMut(usize, [[f64; 4]; C]),
-) where
-    [[f64; 4]; N]: Pod,
-{
-    let columns: [[[f64; 4]; N]; C] =
-        columns.map(|column| bytemuck::cast(simd.interleave_shfl_f64s(column.values())));
-    for lane in 0..N {
-        let slot = place(N, lane);
-        each(part * N + lane, columns.map(|column| column[slot]));
+impl<S: Simd> Scattered<S> {
+    /// The row of a lane.
+    #[inline(always)]
+    pub(crate) fn row(&self, lane: usize) -> [f64; 4] {
+        bytemuck::cast_slice(&self.0)[place::<S>(lane)]
     }
 }
 
 impl<S: Simd> Gathered<S> {
+    /// Columns as rows.
     #[inline(always)]
-    fn values(&self) -> [S::f64s; 4] {
+    pub(crate) fn scatter(&self, simd: S) -> Scattered<S> {
         let vector = &self.vector;
-        [
+        Scattered(simd.interleave_shfl_f64s([
             vector.x.value,
             vector.y.value,
             vector.z.value,
             self.fourth.value,
-        ]
+        ]))
     }
 
     /// This where `mask` is set, zero elsewhere.
@@ -174,7 +139,7 @@ mod tests {
     use super::*;
     use pulp::{Arch, Scalar, WithSimd};
 
-    /// Gathers eight particles and hands their rows out again.
+    /// Gathers eight particles and scatters their rows again.
     struct Round<'a>(&'a [Row], &'a [u32; LANES]);
 
     impl WithSimd for Round<'_> {
@@ -185,10 +150,8 @@ mod tests {
             for part in 0..LANES / S::F64_LANES {
                 let gathered = gather(simd, self.0, self.1, part);
                 gathered.vector.x.store(&mut first, part);
-                scatter(simd, [gathered; 2], part, |contact, [row, _]| {
-                    assert_eq!(contact, rows.len());
-                    rows.push(row);
-                });
+                let scattered = gathered.scatter(simd);
+                rows.extend((0..S::F64_LANES).map(|lane| scattered.row(lane)));
             }
             (rows, first.to_vec())
         }

@@ -18,7 +18,7 @@ use rayon::Yield;
 const PATIENCE: Duration = Duration::from_micros(200);
 
 /// Does `work` in a thread of a pool whose other threads wait for parts of it, awake.
-pub(super) fn attended<R: Send>(work: impl FnOnce() -> R + Send) -> R {
+pub(super) fn attended(work: &mut (dyn FnMut() + Send)) {
     let is_done = AtomicBool::new(false);
     let own = rayon::current_thread_index();
     rayon::in_place_scope(|scope| {
@@ -27,10 +27,9 @@ pub(super) fn attended<R: Send>(work: impl FnOnce() -> R + Send) -> R {
                 await_work(|| is_done.load(Ordering::Relaxed));
             }
         });
-        let result = work();
+        work();
         is_done.store(true, Ordering::Relaxed);
-        result
-    })
+    });
 }
 
 /// Does what work there is for this thread until `is_over`, or until there was none for some time.
@@ -62,20 +61,18 @@ pub(super) enum Order {
     Back,
 }
 
-/// Items that no thread has begun, those for each thread apart.
-struct Waiting<T>(Vec<Mutex<VecDeque<(usize, T)>>>);
+/// Places of items that no thread has begun, those for each thread apart.
+struct Waiting(Vec<Mutex<VecDeque<usize>>>);
 
-impl<T> Waiting<T> {
-    fn new(items: Vec<T>, threads: usize) -> Self {
-        let count = items.len();
-        let mut items = items.into_iter().enumerate();
-        let share = |thread| (thread + 1) * count / threads - thread * count / threads;
-        let shares = (0..threads).map(|thread| items.by_ref().take(share(thread)).collect());
+impl Waiting {
+    fn new(count: usize, threads: usize) -> Self {
+        let begin = |thread| thread * count / threads;
+        let shares = (0..threads).map(|thread| (begin(thread)..begin(thread + 1)).collect());
         Self(shares.map(Mutex::new).collect())
     }
 
     /// The next of a thread's own, else the last of another's.
-    fn next(&self, thread: usize, order: Order) -> Option<(usize, T)> {
+    fn next(&self, thread: usize, order: Order) -> Option<usize> {
         let [next, last] = match order {
             Order::Forth => [VecDeque::pop_front, VecDeque::pop_back],
             Order::Back => [VecDeque::pop_back, VecDeque::pop_front],
@@ -89,28 +86,21 @@ impl<T> Waiting<T> {
     }
 }
 
-/// What is in a lock; no thread fails while it holds one.
-fn open<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+/// What is in a lock, even if its last holder panicked: the pass ends with that panic.
+pub(super) fn open<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Does `work` on every item, by all threads of the pool that this one is of; the answers are in the
-/// order of the items.
-pub(super) fn shared<T: Send, R: Send>(
-    items: Vec<T>,
-    order: Order,
-    work: &(impl Fn(T) -> R + Sync),
-) -> Vec<R> {
+/// Does `work` for each of so many places, by all threads of the pool that this one is of.
+pub(super) fn shared(count: usize, order: Order, work: &(dyn Fn(usize) + Sync)) {
     let threads = rayon::current_num_threads();
-    let helpers = threads.min(items.len()).saturating_sub(1);
-    let answers: Vec<Mutex<Option<R>>> = items.iter().map(|_| Mutex::new(None)).collect();
-    let waiting = Waiting::new(items, threads);
+    let helpers = threads.min(count).saturating_sub(1);
+    let waiting = Waiting::new(count, threads);
     let at_work = AtomicUsize::new(helpers);
     let go = || {
         let thread = rayon::current_thread_index().unwrap_or_default();
-        while let Some((place, item)) = waiting.next(thread, order) {
-            let answer = work(item);
-            *open(&answers[place]) = Some(answer);
+        while let Some(place) = waiting.next(thread, order) {
+            work(place);
         }
     };
     rayon::in_place_scope(|scope| {
@@ -123,10 +113,6 @@ pub(super) fn shared<T: Send, R: Send>(
         go();
         await_work(|| at_work.load(Ordering::Acquire) == 0);
     });
-    let answers = answers.into_iter();
-    answers
-        .filter_map(|answer| answer.into_inner().unwrap_or_else(PoisonError::into_inner))
-        .collect()
 }
 
 #[cfg(test)]
@@ -135,24 +121,24 @@ mod tests {
 
     #[test]
     fn every_thread_takes_its_own_first_and_then_the_last_of_others() {
-        let waiting = Waiting::new(vec!['a', 'b', 'c', 'd', 'e'], 2);
+        let waiting = Waiting::new(5, 2);
         let taken = |thread| waiting.next(thread, Order::Forth);
-        assert_eq!(taken(1), Some((2, 'c')));
-        assert_eq!(taken(0), Some((0, 'a')));
-        assert_eq!(taken(0), Some((1, 'b')));
-        assert_eq!(taken(0), Some((4, 'e')));
-        assert_eq!(taken(1), Some((3, 'd')));
+        assert_eq!(taken(1), Some(2));
+        assert_eq!(taken(0), Some(0));
+        assert_eq!(taken(0), Some(1));
+        assert_eq!(taken(0), Some(4));
+        assert_eq!(taken(1), Some(3));
         assert_eq!(taken(1), None);
     }
 
     #[test]
     fn on_the_way_back_every_thread_begins_with_its_last() {
-        let waiting = Waiting::new(vec!['a', 'b', 'c', 'd'], 2);
+        let waiting = Waiting::new(4, 2);
         let taken = |thread| waiting.next(thread, Order::Back);
-        assert_eq!(taken(1), Some((3, 'd')));
-        assert_eq!(taken(0), Some((1, 'b')));
-        assert_eq!(taken(0), Some((0, 'a')));
-        assert_eq!(taken(0), Some((2, 'c')));
+        assert_eq!(taken(1), Some(3));
+        assert_eq!(taken(0), Some(1));
+        assert_eq!(taken(0), Some(0));
+        assert_eq!(taken(0), Some(2));
         assert_eq!(taken(1), None);
     }
 
@@ -161,8 +147,8 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
         let pass = || {
             pool.install(|| {
-                attended(|| shared(vec![1, 2, 3], Order::Forth, &|item| assert!(item < 3)))
-            })
+                attended(&mut || shared(3, Order::Forth, &|place| assert!(place < 2)));
+            });
         };
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(pass)).is_err());
         Ok(())

@@ -12,9 +12,11 @@
 //! Source: T 3.34; Yade's `Law2_ScGeom6D_CohFrictPhys_CohesionMoment` without moments, whose bonds
 //! have δ₀ = 0.
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
-use super::super::past::{Beam, Bond, Past};
+use super::super::{
+    packed::Columns,
+    past::{Beam, Bond, Past},
+};
 use super::{
     ContactForces, Kept, Lanewise, Law, Linear, Push, Slip, Spring, Touch,
     coulomb::{Coulomb, cut},
@@ -25,7 +27,7 @@ use crate::numbers::{
 };
 
 /// Friction, and bonds for some.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Bonded {
     coulomb: Coulomb<Linear, Kept>,
@@ -155,6 +157,14 @@ impl Lanewise for Bonded {
             is_bonded,
             ..forces
         }
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        self.coulomb.show(columns);
+        columns.numbers(&mut self.normal_strength);
+        columns.numbers(&mut self.shear_strength);
+        columns.numbers(&mut self.rest);
+        columns.numbers(&mut self.intact);
     }
 }
 

@@ -21,7 +21,6 @@
 use std::f64::consts::PI;
 
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
 use super::{
     ContactForces, Kept, Lanewise, Law, Linear, Push, Slip, Spring, Touch,
@@ -29,6 +28,7 @@ use super::{
     in_spring,
 };
 use crate::{
+    contact::packed::Columns,
     contact::past::{Beam, Bond, Past},
     contact::stiffness::Springs,
     numbers::{
@@ -39,7 +39,7 @@ use crate::{
 };
 
 /// Friction, and beams for some.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Cemented {
     coulomb: Coulomb<Linear, Kept>,
@@ -116,7 +116,7 @@ impl Law for Cemented {
         let tension = fibre(zero - along, splat(4.0) * size(bending));
         let twisted = (twisting * twisting).sqrt();
         let sheared = fibre(size(shear), splat(2.0) * twisted);
-        let [tensile, shearing] = [&self.strengths[0], &self.strengths[1]].map(load);
+        let [tensile, shearing] = [load(&self.strengths[0]), load(&self.strengths[1])];
         let breaks = simd.or_m64s(tensile.below(tension), shearing.below(sheared));
         let intact = zero.only_if(breaks, one.only_if(was_intact, zero));
         intact.store(&mut self.intact, part);
@@ -269,6 +269,25 @@ impl Lanewise for Cemented {
             is_bonded,
             ..forces
         }
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        self.coulomb.show(columns);
+        for array in [
+            &mut self.rest,
+            &mut self.made,
+            &mut self.length,
+            &mut self.radius,
+            &mut self.axial,
+            &mut self.ratio,
+            &mut self.twisting,
+            &mut self.intact,
+        ] {
+            columns.numbers(array);
+        }
+        columns.all_numbers(&mut self.strengths);
+        columns.all_numbers(&mut self.shear);
+        columns.all_numbers(&mut self.bending);
     }
 }
 

@@ -12,9 +12,8 @@
 use std::marker::PhantomData;
 
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
-use super::super::past::Past;
+use super::super::{packed::Columns, past::Past};
 use super::{ContactForces, Lanewise, Law, Normal, Normals, Push, Slip, Spring, Touch};
 use crate::numbers::{
     Vector,
@@ -23,8 +22,7 @@ use crate::numbers::{
 };
 
 /// Coulomb friction with its memory.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Coulomb<N: Normal, M: Normals> {
     shear: [Array; 3],
@@ -160,5 +158,10 @@ impl<N: Normal, M: Normals> Lanewise for Coulomb<N, M> {
     fn forces(&self, lane: usize, spring: &Spring) -> ContactForces {
         let constant = spring.shear_ratio * spring.constant;
         ContactForces::spring::<N>(spring, constant, self.past(lane).shear)
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        columns.all_numbers(&mut self.shear);
+        self.normals.show(columns);
     }
 }

@@ -2,9 +2,8 @@
 use std::marker::PhantomData;
 
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
-use super::super::past::Past;
+use super::super::{packed::Columns, past::Past};
 use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch};
 use crate::numbers::{
     Vector,
@@ -12,8 +11,7 @@ use crate::numbers::{
 };
 
 /// No friction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Frictionless<N: Normal>(PhantomData<N>);
 
 impl<N: Normal> Law for Frictionless<N> {
@@ -57,4 +55,6 @@ impl<N: Normal> Lanewise for Frictionless<N> {
     fn forces(&self, _lane: usize, spring: &Spring) -> ContactForces {
         ContactForces::spring::<N>(spring, 0.0, Vector::zeros())
     }
+
+    fn show(&mut self, _columns: &mut dyn Columns) {}
 }

@@ -14,7 +14,6 @@
 //! LAMMPS's `mindlin_rescale`.
 use loadframe_api::spec::granular_scene::hertz;
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
 use super::{
     ContactForces, Kept, Lanewise, Law, Push, Slip, Touch,
@@ -23,6 +22,7 @@ use super::{
     normal::{Normal, Spring},
 };
 use crate::{
+    contact::packed::Columns,
     contact::past::Past,
     contact::stiffness::{Cement, Side, Springs},
     numbers::{
@@ -32,7 +32,7 @@ use crate::{
 };
 
 /// F_N = 4/3 E* √R* δ^1.5.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Hertz;
 
 /// c of a dashpot along the normal over 2 β √(m* k_N): with k_N the tangent (G.15) it gives the
@@ -89,7 +89,7 @@ impl Normal for Hertz {
 }
 
 /// Hertz springs, Mindlin shear without slip, Coulomb friction.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct HertzMindlin {
     coulomb: Coulomb<Hertz, Kept>,
@@ -162,5 +162,10 @@ impl Lanewise for HertzMindlin {
 
     fn forces(&self, lane: usize, spring: &Spring) -> ContactForces {
         self.coulomb.forces(lane, spring)
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        self.coulomb.show(columns);
+        columns.numbers(&mut self.root);
     }
 }

@@ -10,7 +10,6 @@
 //!
 //! Source: T 3.15, the strain ε_N = ln(|C₂ − C₁|/d₀) of a compressed contact.
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
 use super::{
     Touch,
@@ -22,7 +21,7 @@ use crate::{
 };
 
 /// F_N = −k_N d₀ ln(d/d₀).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Logarithmic;
 
 /// Smallest d/d₀ that is told apart: 2⁻²⁰.

@@ -21,9 +21,8 @@ mod viscous;
 use std::fmt::Debug;
 
 use pulp::Simd;
-use serde::{Serialize, de::DeserializeOwned};
 
-use super::{Push, Slip, Touch, past::Past, stiffness::Springs};
+use super::{Push, Slip, Touch, packed::Columns, past::Past, stiffness::Springs};
 use crate::numbers::{Vector, lanes::Lanes};
 
 pub(crate) use bonded::Bonded;
@@ -81,12 +80,13 @@ pub(crate) trait Lanewise {
 
     /// What the contact in a lane does at this overlap.
     fn forces(&self, lane: usize, spring: &Spring) -> ContactForces;
+
+    /// Shows all that the block keeps.
+    fn show(&mut self, columns: &mut dyn Columns);
 }
 
 /// A law for the contacts of a block.
-pub(crate) trait Law:
-    Lanewise + Clone + Debug + Default + Send + Sync + Serialize + DeserializeOwned + 'static
-{
+pub(crate) trait Law: Lanewise + Clone + Debug + Default + Send + Sync + 'static {
     /// The spring along the normal.
     type Normal: Normal;
 

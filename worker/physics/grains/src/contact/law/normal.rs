@@ -7,7 +7,6 @@ use std::fmt::Debug;
 
 use loadframe_api::spec::granular_scene::series_stiffness;
 use pulp::{Scalar, Simd};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::Touch;
 use crate::{
@@ -30,7 +29,7 @@ pub(crate) struct Spring {
 
 /// A spring along the normal.
 pub(crate) trait Normal:
-    Clone + Copy + Debug + Default + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static
+    Clone + Copy + Debug + Default + PartialEq + Send + Sync + 'static
 {
     /// Constants of the springs between two bodies.
     fn springs(a: &Side, b: &Side) -> Springs;
@@ -93,7 +92,7 @@ impl Spring {
 }
 
 /// F_N = k_N δ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Linear;
 
 impl Linear {

@@ -6,8 +6,8 @@
 use std::fmt::Debug;
 
 use pulp::Simd;
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
+use crate::contact::packed::Columns;
 use crate::numbers::{
     Vector,
     ahead::ask_all,
@@ -15,9 +15,7 @@ use crate::numbers::{
 };
 
 /// Where the normals of the last step come from.
-pub(crate) trait Normals:
-    Clone + Debug + Default + Send + Sync + Serialize + DeserializeOwned + 'static
-{
+pub(crate) trait Normals: Clone + Debug + Default + Send + Sync + 'static {
     /// Whether they follow from velocities.
     const FOLLOW: bool;
 
@@ -33,15 +31,18 @@ pub(crate) trait Normals:
     fn at(&self, lane: usize) -> Vector;
 
     fn set(&mut self, lane: usize, normal: Vector);
+
+    /// Shows all that is kept.
+    fn show(&mut self, columns: &mut dyn Columns);
 }
 
 /// They are remembered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Kept([Array; 3]);
 
 /// They follow from where the spheres are and how they move.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Followed;
 
 impl Normals for Kept {
@@ -71,6 +72,10 @@ impl Normals for Kept {
             self.0[axis][lane] = normal[axis];
         }
     }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        columns.all_numbers(&mut self.0);
+    }
 }
 
 impl Normals for Followed {
@@ -92,6 +97,8 @@ impl Normals for Followed {
     }
 
     fn set(&mut self, _lane: usize, _normal: Vector) {}
+
+    fn show(&mut self, _columns: &mut dyn Columns) {}
 }
 
 /// The direction of `before`, a vector nearly as long as one with the inverse length `inverse`:

@@ -24,10 +24,10 @@
 //! Source: [Ai2011], type C, whose dashpot rests too while the spring yields (f = 0); k_r of
 //! [IwashitaOda1998]; twisting, and the same in space, [Luding2008].
 use pulp::Simd;
-use serde::{Deserialize, Serialize};
 
 use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch, coulomb::cut, kept};
 use crate::{
+    contact::packed::Columns,
     contact::past::Past,
     contact::stiffness::Springs,
     numbers::{
@@ -41,8 +41,7 @@ use crate::{
 type Both = [Array; 2];
 
 /// A law and what resists rolling and twisting.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Resisting<F: Law> {
     law: F,
@@ -122,17 +121,23 @@ impl<F: Law> Law for Resisting<F> {
         let along = slip.rolling.dot(touch.normal);
         let across = slip.rolling - touch.normal.scaled(along);
         let force = F::Normal::force(simd, &touch);
-        let both = |arrays: &Both| arrays.map(|array| Lanes::<S>::load(simd, &array, part));
-        let [stiffness, twist_stiffness] = both(&self.stiffness);
-        let [limit, twist_limit] = both(&self.reach).map(|reach| reach * force);
-        let [drag, twist_drag] = both(&self.dashpots).map(|dashpot| dashpot * root);
+        let both = |arrays: &Both, factor: Lanes<S>| {
+            let [rolling, twisting] = arrays;
+            [
+                Lanes::load(simd, rolling, part) * factor,
+                Lanes::load(simd, twisting, part) * factor,
+            ]
+        };
+        let [growth, twist_growth] = both(&self.stiffness, step);
+        let [limit, twist_limit] = both(&self.reach, force);
+        let [drag, twist_drag] = both(&self.dashpots, root);
 
         let rolling = self.turned(simd, part, touch.normal, slip.spins, time_step);
-        let rolling = rolling.scaled(kept) - across.scaled(stiffness * step);
+        let rolling = rolling.scaled(kept) - across.scaled(growth);
         let rolling = cut(simd, rolling, limit).only_if(touch.is_touching, Vectors::zero(simd));
         rolling.store(&mut self.rolling, part);
         let twisting = Lanes::load(simd, &self.twisting, part) * kept;
-        let twisting = cut_along(twisting - along * (twist_stiffness * step), twist_limit);
+        let twisting = cut_along(twisting - along * twist_growth, twist_limit);
         let twisting = twisting.only_if(touch.is_touching, none);
         twisting.store(&mut self.twisting, part);
 
@@ -200,6 +205,16 @@ impl<F: Law> Lanewise for Resisting<F> {
             turning_dashpots: self.dashpots.map(|array| root * array[lane]),
             ..self.law.forces(lane, spring)
         }
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        self.law.show(columns);
+        for both in [&mut self.stiffness, &mut self.reach, &mut self.dashpots] {
+            columns.all_numbers(both);
+        }
+        columns.all_numbers(&mut self.rolling);
+        columns.numbers(&mut self.twisting);
+        columns.numbers(&mut self.softness);
     }
 }
 

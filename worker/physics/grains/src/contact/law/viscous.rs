@@ -41,10 +41,10 @@
 use std::fmt::Debug;
 
 use pulp::Simd;
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::{ContactForces, Lanewise, Law, Normal, Push, Slip, Spring, Touch, coulomb::cut};
 use crate::{
+    contact::packed::Columns,
     contact::past::Past,
     contact::stiffness::Springs,
     numbers::{
@@ -55,8 +55,7 @@ use crate::{
 };
 
 /// A law and a dashpot.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Viscous<F: Law, D: Dashpot> {
     law: F,
@@ -67,7 +66,7 @@ pub(crate) struct Viscous<F: Law, D: Dashpot> {
 
 /// A way in which a dashpot works, and its force in the last step.
 pub(crate) trait Dashpot:
-    Clone + Debug + Default + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static
+    Clone + Debug + Default + PartialEq + Send + Sync + 'static
 {
     /// Place of its constant among those of [`Springs::dashpots`].
     const WAY: usize;
@@ -97,10 +96,13 @@ pub(crate) trait Dashpot:
 
     /// The same for an observer.
     fn add(&self, lane: usize, forces: &mut ContactForces);
+
+    /// Shows all that it keeps.
+    fn show(&mut self, columns: &mut dyn Columns);
 }
 
 /// Along the normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Along {
     /// −c v_N in the last step [N].
@@ -112,7 +114,7 @@ pub(crate) struct Along {
 }
 
 /// Across the normal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Across {
     /// F_T of spring and dashpot in the last step [N].
@@ -136,7 +138,8 @@ impl Dashpot for Along {
         push: Push<S>,
         time_step: f64,
     ) -> Push<S> {
-        let [none, half, one] = [0.0, 0.5, 1.0].map(|value| Lanes::splat(simd, value));
+        let splat = |value: f64| Lanes::splat(simd, value);
+        let (none, half, one) = (splat(0.0), splat(0.5), splat(1.0));
         let known = slip.approach;
         let before = Lanes::load(simd, &self.velocity, part);
         let now = known + half * (known - before);
@@ -183,6 +186,12 @@ impl Dashpot for Along {
     fn add(&self, lane: usize, forces: &mut ContactForces) {
         forces.force += self.force[lane];
     }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        columns.numbers(&mut self.force);
+        columns.numbers(&mut self.velocity);
+        columns.numbers(&mut self.touched);
+    }
 }
 
 impl Dashpot for Across {
@@ -198,7 +207,8 @@ impl Dashpot for Across {
         push: Push<S>,
         _time_step: f64,
     ) -> Push<S> {
-        let [none, half, one] = [0.0, 0.5, 1.0].map(|value| Lanes::splat(simd, value));
+        let splat = |value: f64| Lanes::splat(simd, value);
+        let (none, half, one) = (splat(0.0), splat(0.5), splat(1.0));
         let before = Vectors::load(simd, &self.velocity, part);
         let change = (slip.velocity - before).scaled(half);
         let is_known = none.below(Lanes::load(simd, &self.touched, part));
@@ -240,6 +250,12 @@ impl Dashpot for Across {
 
     fn add(&self, lane: usize, forces: &mut ContactForces) {
         forces.shear = Vector::from(self.shear.map(|array| array[lane]));
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        columns.all_numbers(&mut self.shear);
+        columns.all_numbers(&mut self.velocity);
+        columns.numbers(&mut self.touched);
     }
 }
 
@@ -305,5 +321,11 @@ impl<F: Law, D: Dashpot> Lanewise for Viscous<F, D> {
         forces.dashpots[D::WAY] = self.constant[lane] * spring.dashpot::<F::Normal>();
         self.dashpot.add(lane, &mut forces);
         forces
+    }
+
+    fn show(&mut self, columns: &mut dyn Columns) {
+        self.law.show(columns);
+        columns.numbers(&mut self.constant);
+        self.dashpot.show(columns);
     }
 }

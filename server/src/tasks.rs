@@ -1,16 +1,22 @@
-//! Work that may block, beside the threads that serve.
-use std::any::Any;
+//! Work beside that of whoever asks for it.
+//!
+//! Whatever is done is one of two kinds of task: the compiler makes some sixty functions of each kind.
+use std::{any::Any, future::Future, pin::Pin};
 
-use tokio::task::spawn_blocking;
+use tokio::task::{JoinHandle, spawn_blocking};
 
 /// Work that panicked, or that a server which stops did not begin.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 #[error("work was not done: it panicked, or the server is stopping")]
 pub(crate) struct NotDone;
 
-/// Does work where it holds up nobody.
-///
-/// Whatever is done is the same kind of task: the compiler makes some sixty functions of each kind.
+/// Begins work that goes on by itself.
+pub(crate) fn spawn(work: impl Future<Output = ()> + Send + 'static) -> JoinHandle<()> {
+    let task: Pin<Box<dyn Future<Output = ()> + Send>> = Box::pin(work);
+    tokio::spawn(task)
+}
+
+/// Does work that may block where it holds up nobody.
 pub(crate) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, NotDone> {
