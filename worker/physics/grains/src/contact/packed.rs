@@ -117,3 +117,81 @@ impl Columns for Unpacking<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        contact::{
+            law::{Cemented, Coulomb, HertzMindlin, Kept, Law, Linear, Resisting},
+            lists::{Lists, PatchLists},
+            past::Past,
+            stiffness::{Cement, Resistance, Springs},
+        },
+        numbers::Vector,
+    };
+
+    /// Two blocks of pairs in the patch, and one of each other kind.
+    fn lists<F: Law>() -> PatchLists<F> {
+        let mut lists = PatchLists::<F>::default();
+        let springs = |number: f64| Springs {
+            normal: 1e5 + number,
+            ratio: 0.3,
+            friction: 0.5 + number,
+            dashpots: [7.0, 3.0],
+            resistance: Resistance {
+                stiffness: [2.0, 5.0 + number],
+                ..Resistance::default()
+            },
+            cement: Cement::default(),
+        };
+        let past = |number: f64| Past {
+            shear: Vector::new(number, 2.0, 3.0),
+            root: 0.1 + number,
+            ..Past::default()
+        };
+        for pair in 0..10_u32 {
+            let number = f64::from(pair);
+            lists.add_inner([pair, pair + 1], &springs(number), Some(&past(number)));
+        }
+        lists.add_outer([3, 40], 2, &springs(0.5), Some(&past(20.0)));
+        lists.add_plane(1, 7, &springs(0.7), Some(&past(30.0)));
+        lists.add_facets(
+            8,
+            &[(4, springs(0.9), Some(past(40.0))), (5, springs(0.0), None)],
+        );
+        lists.finish(3);
+        lists
+    }
+
+    fn told(lists: &dyn Lists) -> Vec<String> {
+        let mut told = Vec::new();
+        lists.see(&mut |touching| {
+            let springs = [touching.constant, touching.shear_ratio, touching.friction];
+            let past = touching.law.past(touching.lane);
+            told.push(format!("{:?} {springs:?} {past:?}", touching.who));
+        });
+        told
+    }
+
+    fn assert_come_back<F: Law>() -> Result<(), CheckpointError> {
+        let packed = lists::<F>().pack()?;
+        let again = PatchLists::<F>::unpack(&packed)?;
+        assert_eq!(again.pack()?, packed);
+        assert_eq!(told(&again), told(&lists::<F>()));
+        assert_eq!(told(&again).len(), 13);
+        assert_eq!(again.candidates(), 13);
+        Ok(())
+    }
+
+    #[test]
+    fn lists_come_back_as_they_were_and_not_under_another_law() -> Result<(), CheckpointError> {
+        assert_come_back::<Coulomb<Linear, Kept>>()?;
+        assert_come_back::<Resisting<HertzMindlin>>()?;
+        assert_come_back::<Cemented>()?;
+        let packed = lists::<HertzMindlin>().pack()?;
+        assert!(PatchLists::<Coulomb<Linear, Kept>>::unpack(&packed).is_err());
+        assert!(PatchLists::<Cemented>::unpack(&packed).is_err());
+        Ok(())
+    }
+}

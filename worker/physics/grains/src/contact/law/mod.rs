@@ -273,7 +273,23 @@ mod tests {
         }
     }
 
+    /// How many arrays there are.
+    struct Count(usize);
+
+    impl Columns for Count {
+        fn ends(&mut self, _column: &mut [u32; LANES]) {}
+
+        fn numbers(&mut self, _column: &mut Array) {
+            self.0 += 1;
+        }
+    }
+
     fn assert_same_bits<F: Law>() {
+        // a checkpoint has all that there is
+        let mut shown = Count(0);
+        F::default().show(&mut shown);
+        assert_eq!(shown.0 * size_of::<Array>(), size_of::<F>());
+
         let block = || Block(F::default());
         let expected = Simd::vectorize(Scalar::new(), block());
         assert!(expected.iter().any(|bits| *bits != 0));
@@ -285,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn every_law_gives_the_same_bits_in_every_width() {
+    fn every_law_gives_the_same_bits_in_every_width_and_shows_all_that_it_keeps() {
         assert_same_bits::<Frictionless<Linear>>();
         assert_same_bits::<Frictionless<Logarithmic>>();
         assert_same_bits::<Coulomb<Linear, Followed>>();
