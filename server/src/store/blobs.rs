@@ -12,12 +12,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use tokio::io::{AsyncRead, AsyncReadExt};
-use tokio::sync::{OwnedRwLockReadGuard, RwLock, mpsc, oneshot};
+use tokio::sync::{OwnedRwLockReadGuard, RwLock, oneshot};
 use uuid::Uuid;
 
 use super::arriving::{Incoming, Received, SMALLEST_PART};
 use super::bucket::Found;
-use super::collector::{Collector, Faults, Garbage, Postponed};
+use super::collector::{Collector, Faults, Garbage, Postponed, Reports};
 use super::database::{Held, Pool, Sharing};
 use super::disk::{CHUNK, blocking};
 use super::error::{Loss, Result, StoreError};
@@ -39,7 +39,7 @@ pub(super) struct Blobs {
     pub(super) incoming: Incoming,
     in_use: Arc<RwLock<()>>,
     sharing: Sharing,
-    garbage: mpsc::UnboundedSender<Garbage>,
+    garbage: Reports,
     pub(super) faults: Arc<Faults>,
     /// Files that were verified: when, and as which object of a bucket.
     verified: Arc<Mutex<BTreeMap<String, (Instant, Found)>>>,
@@ -49,7 +49,7 @@ pub(super) struct Blobs {
 /// its file is [`Self::named`], it has the collector look at the file.
 #[derive(Debug)]
 pub(super) struct FileGuard {
-    unnamed: Option<(String, mpsc::UnboundedSender<Garbage>)>,
+    unnamed: Option<(String, Reports)>,
     #[allow(dead_code)]
     held: (OwnedRwLockReadGuard<()>, Held),
 }
@@ -65,7 +65,7 @@ impl Drop for FileGuard {
     fn drop(&mut self) {
         if let Some((sha256, garbage)) = self.unnamed.take() {
             // without a collector the store is closing, and the next start collects
-            let _ = garbage.send(Garbage::Perhaps(vec![sha256]));
+            garbage.send(Garbage::Perhaps(vec![sha256], garbage.next_moment()));
         }
     }
 }
@@ -75,7 +75,7 @@ impl Blobs {
     pub(super) async fn open(
         data: &Path,
         storage: Storage,
-        garbage: mpsc::UnboundedSender<Garbage>,
+        garbage: Reports,
         sharing: Sharing,
     ) -> Result<Self> {
         let blobs = Self {
@@ -245,13 +245,13 @@ impl Blobs {
 
     /// Has the whole folder looked through for files without a row.
     pub(super) fn look_through(&self) {
-        let _ = self.garbage.send(Garbage::PerhapsAny);
+        self.garbage.send(Garbage::PerhapsAny);
     }
 
     /// Waits until what was reported as garbage before is removed.
     pub(super) async fn collected(&self) {
         let (done, wait) = oneshot::channel();
-        if self.garbage.send(Garbage::Barrier(done)).is_ok() {
+        if self.garbage.send(Garbage::Barrier(done)) {
             let _ = wait.await;
         }
     }
@@ -276,7 +276,9 @@ impl Blobs {
             is_behind,
             restarts,
             removal,
+            moments: self.garbage.moments(),
             postponed: Postponed::default(),
+            found: BTreeMap::new(),
         }
     }
 }
@@ -301,4 +303,60 @@ pub(super) fn check_sha256(text: &str) -> Result<()> {
     }
     let sentence = "sha256 is 64 lower-case hexadecimal digits";
     Err(StoreError::Invalid(sentence.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use sha2::{Digest, Sha256};
+
+    use super::super::disk::hexadecimal;
+    use super::super::{Store, StoreOptions};
+    use super::*;
+
+    impl Blobs {
+        /// Stores a file as if a row named it.
+        async fn name(&self, text: &'static str) -> Result<(String, FileGuard)> {
+            let sha256 = hexadecimal(Sha256::new_with_prefix(text));
+            let received = self.receive("a file", &sha256, 100, None, text.as_bytes());
+            let guard = self.keep(received.await?).await?;
+            Ok((sha256, guard))
+        }
+
+        /// Tells that a row that named it has just gone.
+        fn let_go(&self, sha256: &str) {
+            let moment = self.garbage.next_moment();
+            let report = Garbage::Perhaps(vec![sha256.to_owned()], moment);
+            assert!(self.garbage.send(report), "there is a collector");
+        }
+
+        async fn has(&self, sha256: &String) -> Result<bool> {
+            self.collected().await;
+            Ok(self.storage.names().await?.contains(sha256))
+        }
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn what_is_let_go_while_the_folder_is_looked_through_is_removed() -> Result<()> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let store = Store::open(StoreOptions::new(folder.path())).await?;
+        let blobs = store.blobs();
+
+        // until the guard goes, the collector stands before the question which files have rows
+        let (file, guard) = blobs.name("let go").await?;
+        blobs.look_through();
+        blobs.let_go(&file);
+        guard.named();
+        assert!(!blobs.has(&file).await?);
+
+        // found without a row, it may be what another database knows; that it had one here changes nothing
+        let (file, guard) = blobs.name("found").await?;
+        guard.named();
+        blobs.look_through();
+        blobs.collected().await;
+        let (_, guard) = blobs.name("found").await?;
+        guard.named();
+        blobs.let_go(&file);
+        assert!(blobs.has(&file).await?);
+        Ok(())
+    }
 }

@@ -30,12 +30,47 @@ const ASK_EVERY: Duration = Duration::from_secs(1);
 /// Work for the collector.
 #[derive(Debug)]
 pub(super) enum Garbage {
-    /// These may be named by no row any more.
-    Perhaps(Vec<String>),
+    /// These may be named by no row any more, since this moment.
+    Perhaps(Vec<String>, Moment),
     /// Any of all the files may be.
     PerhapsAny,
     /// Tell when all before is done.
     Barrier(oneshot::Sender<()>),
+}
+
+/// What is counted up before a row that names files goes, so that it tells what went before what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Moment(u64);
+
+/// Where garbage is reported.
+#[derive(Clone, Debug)]
+pub(super) struct Reports {
+    sender: mpsc::UnboundedSender<Garbage>,
+    moments: Arc<AtomicU64>,
+}
+
+impl Reports {
+    /// Those for a collector, and what it receives.
+    pub(super) fn channel() -> (Self, mpsc::UnboundedReceiver<Garbage>) {
+        let (sender, receiver) = mpsc::unbounded_channel();
+        let moments = Arc::default();
+        (Self { sender, moments }, receiver)
+    }
+
+    /// A moment after all before.
+    pub(super) fn next_moment(&self) -> Moment {
+        Moment(self.moments.fetch_add(1, Ordering::SeqCst) + 1)
+    }
+
+    /// The last moment, for who looks.
+    pub(super) fn moments(&self) -> Arc<AtomicU64> {
+        Arc::clone(&self.moments)
+    }
+
+    /// Whether there is a collector.
+    pub(super) fn send(&self, garbage: Garbage) -> bool {
+        self.sender.send(garbage).is_ok()
+    }
 }
 
 /// What was last found, for people.
@@ -69,13 +104,16 @@ pub(super) struct Collector {
     pub(super) is_behind: bool,
     pub(super) restarts: Arc<Restarts>,
     pub(super) removal: Removal,
+    pub(super) moments: Arc<AtomicU64>,
     pub(super) postponed: Postponed,
+    /// What began to wait when the folder was last looked through, and the moment at which it had no row.
+    pub(super) found: BTreeMap<String, Moment>,
 }
 
 /// What was reported during a backup.
 #[derive(Debug, Default)]
 pub(super) struct Postponed {
-    names: Vec<String>,
+    names: Vec<(String, Moment)>,
     any: bool,
 }
 
@@ -90,12 +128,13 @@ impl Collector {
                     // what waits is found when the next server looks through the folder
                     None => return,
                 },
-                () = tokio::time::sleep(ASK_EVERY), if waits => Garbage::Perhaps(Vec::new()),
+                () = tokio::time::sleep(ASK_EVERY), if waits => Garbage::Perhaps(Vec::new(), Moment::default()),
             };
             let restarts = Arc::clone(&self.restarts);
             let work = async {
                 match report {
-                    Garbage::Perhaps(names) => {
+                    Garbage::Perhaps(names, moment) => {
+                        let names = names.into_iter().map(|name| (name, moment));
                         self.postponed.names.extend(names);
                         self.remove().await
                     }
@@ -126,17 +165,27 @@ impl Collector {
         let Postponed { names, any } = std::mem::take(&mut self.postponed);
         self.remove_unnamed(names).await?;
         if any {
-            self.look_through().await?;
+            self.found = self.look_through().await?;
             self.is_behind = false;
         }
         drop(turn);
         Ok(())
     }
 
-    /// Removes those of the files that no row names, other than those that wait.
-    async fn remove_unnamed(&self, mut names: Vec<String>) -> Result<()> {
+    /// Removes those of the files that no row names, other than those that wait. What was found without a row
+    /// because its row had just gone does not wait; what was found, got a row and lost it again does.
+    async fn remove_unnamed(&self, names: Vec<(String, Moment)>) -> Result<()> {
         let waiting = waiting(&self.storage).await?;
-        names.retain(|name| !waiting.contains_key(name));
+        let is_ours = |name: &String, gone: Moment| match waiting.get(name) {
+            None => true,
+            Some(Waits::Since(_)) => self.found.get(name).is_some_and(|found| gone <= *found),
+            Some(Waits::ForAPerson) => false,
+        };
+        let names = names.into_iter();
+        let names: Vec<_> = names
+            .filter(|(name, gone)| is_ours(name, *gone))
+            .map(|(name, _)| name)
+            .collect();
         for names in names.chunks(NAMES_AT_ONCE) {
             // nobody stores a file meanwhile, here or on another server
             let alone = self.in_use.write().await;
@@ -149,17 +198,23 @@ impl Collector {
     }
 
     /// Finds all files without a row, and removes those that have waited long enough; from then on, none that
-    /// is found waits for a person by that alone.
-    async fn look_through(&self) -> Result<()> {
+    /// is found waits for a person by that alone. Returns what begins to wait.
+    async fn look_through(&self) -> Result<BTreeMap<String, Moment>> {
         let names = self.storage.names().await?;
         let known = waiting(&self.storage).await?;
         let now = Timestamp::now().as_millis();
-        let (mut still, mut removed) = (BTreeMap::new(), 0);
+        let (mut still, mut found, mut removed) = (BTreeMap::new(), BTreeMap::new(), 0);
         for names in names.chunks(NAMES_AT_ONCE) {
             let alone = self.in_use.write().await;
             let alone_of_all = self.sharing.removing_files().await?;
             let mut over = Vec::new();
-            for name in unnamed(&self.reads, names).await? {
+            let unnamed = unnamed(&self.reads, names).await?;
+            // nobody stores a file yet: what gets a row from now on loses it at a later moment
+            let moment = Moment(self.moments.load(Ordering::SeqCst));
+            for name in unnamed {
+                if !known.contains_key(&name) {
+                    found.insert(name.clone(), moment);
+                }
                 let first = if self.is_behind {
                     Waits::ForAPerson
                 } else {
@@ -191,7 +246,7 @@ impl Collector {
                 "files that no job names"
             );
         }
-        Ok(())
+        Ok(found)
     }
 }
 

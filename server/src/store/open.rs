@@ -4,11 +4,12 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use futures_util::future::BoxFuture;
-use tokio::sync::{OnceCell, mpsc, watch};
+use tokio::sync::{OnceCell, watch};
 
 use super::blobs::Blobs;
 use super::calls::Calls;
 use super::clock::Clock;
+use super::collector::Reports;
 use super::database::{Connection, Database, DatabasePlace, Reading, Undo, query_scalar};
 use super::error::{Result, StoreError};
 use super::handle::{Inner, Store};
@@ -151,7 +152,7 @@ impl Store {
         let (last_event, last_event_receiver) =
             watch::channel(last.unwrap_or_default().unsigned_abs());
         let (queued, queued_receiver) = watch::channel(0);
-        let (garbage, reports) = mpsc::unbounded_channel();
+        let (garbage, reports) = Reports::channel();
         let storage = Storage::of(&options.data, &options.files)?;
         let blobs = Blobs::open(&options.data, storage, garbage.clone(), sharing.clone()).await?;
         let wait = options.unnamed_wait;

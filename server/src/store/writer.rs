@@ -22,7 +22,7 @@ use tokio::sync::{mpsc, oneshot, watch};
 use uuid::Uuid;
 
 use super::clock::Clock;
-use super::collector::Garbage;
+use super::collector::{Garbage, Moment, Reports};
 use super::database::{self, Connection, Database, News, Query, Row, Undo, raise};
 use super::error::{Result, StoreError};
 use super::people::{Actor, Line};
@@ -109,6 +109,8 @@ struct Effects {
     queued: bool,
     /// Files that may have lost the last row that names them.
     garbage: Vec<String>,
+    /// Before they could lose it.
+    moment: Moment,
     /// Lines for the audit log, which are part of the transaction.
     lines: Vec<Line>,
 }
@@ -222,7 +224,7 @@ pub(super) struct Announcements {
     pub(super) queued: watch::Sender<u64>,
     /// This server's name for others on its database.
     pub(super) server: Uuid,
-    pub(super) garbage: mpsc::UnboundedSender<Garbage>,
+    pub(super) garbage: Reports,
 }
 
 /// What is told of trouble.
@@ -296,7 +298,7 @@ async fn run(
             batch.drain(..),
             has_large,
             &mut answers,
-            announcements.server,
+            &announcements,
         );
         let committed = caught("writer", &guards.restarts.writer, committing).await;
         // the answers are dropped where it failed, which tells every caller that nothing was kept; that the
@@ -352,7 +354,7 @@ async fn commit(
     batch: impl Iterator<Item = Command>,
     has_large: bool,
     answers: &mut Vec<Ended>,
-    server: Uuid,
+    announcements: &Announcements,
 ) -> Result<Effects> {
     let mut effects = Effects::default();
     if has_large {
@@ -396,12 +398,14 @@ async fn commit(
     if effects.last_event.is_some() || effects.queued {
         let (last_event, queued) = (effects.last_event, effects.queued);
         let news = News {
-            server,
+            server: announcements.server,
             last_event,
             queued,
         };
         change.connection.tell(news).await?;
     }
+    // all files that the commands stored are named
+    effects.moment = announcements.garbage.next_moment();
     match effects.lines.is_empty() {
         true => change.connection.commit().await?,
         false => Line::commit(&effects.lines, &mut change.connection).await?,
@@ -423,7 +427,8 @@ impl Announcements {
         }
         if !effects.garbage.is_empty() {
             // the collector outlives the writer; when it is gone, the next start collects
-            let _ = self.garbage.send(Garbage::Perhaps(effects.garbage));
+            let report = Garbage::Perhaps(effects.garbage, effects.moment);
+            self.garbage.send(report);
         }
     }
 }

@@ -238,12 +238,9 @@ impl<S: Simd> Push<S> {
         let (force, moment) = (force.scatter(simd), moment.scatter(simd));
         let resisting = self.moment_rows(simd);
         for lane in 0..S::F64_LANES {
-            let mut own = None;
-            if let Some(rows) = &resisting {
-                own = Some(rows.row(lane));
-            }
+            let resisting = Scattered::row_of(resisting.as_ref(), lane);
             let contact = part * S::F64_LANES + lane;
-            act(contact, force.row(lane), moment.row(lane), own);
+            act(contact, force.row(lane), moment.row(lane), resisting);
         }
     }
 

@@ -22,7 +22,7 @@ use crate::{
     numbers::{
         ahead::ask,
         lanes::{LANES, Lanes, Vectors, any, bits},
-        rows::{Gathered, Row, gather},
+        rows::{Gathered, Row, Scattered, gather},
     },
 };
 
@@ -263,10 +263,7 @@ impl<F: Law> PairBlock<F> {
             let torque = torque.masked(simd, push.acts).scatter(simd);
             let moment = push.moment_rows(simd);
             for lane in 0..S::F64_LANES {
-                let mut resisting = None;
-                if let Some(rows) = &moment {
-                    resisting = Some(rows.row(lane));
-                }
+                let resisting = Scattered::row_of(moment.as_ref(), lane);
                 let contact = part * S::F64_LANES + lane;
                 act(contact, force.row(lane), torque.row(lane), resisting);
             }

@@ -108,6 +108,16 @@ impl<S: Simd> Scattered<S> {
     pub(crate) fn row(&self, lane: usize) -> [f64; 4] {
         bytemuck::cast_slice(&self.0)[place::<S>(lane)]
     }
+
+    /// The same, where there are any; without a closure, see above.
+    #[inline(always)]
+    pub(crate) fn row_of(scattered: Option<&Self>, lane: usize) -> Option<[f64; 4]> {
+        let mut row = None;
+        if let Some(scattered) = scattered {
+            row = Some(scattered.row(lane));
+        }
+        row
+    }
 }
 
 impl<S: Simd> Gathered<S> {
