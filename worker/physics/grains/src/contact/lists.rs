@@ -92,7 +92,7 @@ pub(super) struct PatchLists<F: Law> {
     facets: FacetList<F>,
 }
 
-/// How many there are. (What all of them remember nobody could read, and 19 laws would have to tell.)
+/// How many there are. (What all of them remember nobody could read, and each law would be compiled to tell it.)
 impl<F: Law> Debug for PatchLists<F> {
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let mut lists = formatter.debug_struct("PatchLists");
