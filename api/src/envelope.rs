@@ -78,9 +78,13 @@ impl Submission {
         Self::from_slice_after(body, &Earlier::default())
     }
 
-    /// What the job will take, also on the threads that it asks for.
-    pub fn estimate(&self, calibration: &Calibration) -> Estimate {
-        self.spec.estimate(calibration).on_threads(self.threads)
+    /// What the job will take, also on the threads that it asks for, at the speed that was `measured`.
+    pub fn estimate(&self, measured: Option<Calibration>) -> Estimate {
+        let alone = self.spec.estimate(&measured.unwrap_or_default());
+        Estimate {
+            calibrated: measured.is_some(),
+            ..alone.on_threads(self.threads)
+        }
     }
 
     /// Reads and checks a submission that may refer to results of `earlier` jobs.

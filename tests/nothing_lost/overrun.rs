@@ -147,7 +147,8 @@ fn a_job_beyond_its_memory_is_paused_with_its_checkpoint() {
     let job = underrated(&server, &flying(9, 260_000, &record));
     let _worker = Worker::start(&server, "worker");
     let (job, taken) = paused_for(&server, job.id, "MB of memory, where 500 is its limit");
-    assert!(taken > 500.0, "{}", job.reason);
+    // told in three digits as well
+    assert!(taken >= 500.0, "{}", job.reason);
     goes_on_from_its_checkpoint(&server, &job);
 }
 

@@ -31,11 +31,11 @@ pub(crate) fn perform(arguments: &Arguments) -> Result<(), Failure> {
     };
     // a spec is checked in a moment, so a moment more is spent on an estimate that holds here
     let calibration = calibrate();
-    let estimate = submission.estimate(&calibration.unwrap_or_default());
+    let estimate = submission.estimate(calibration);
     if arguments.json {
         let spec: Value = serde_json::from_str(&submission.spec.to_json()).unwrap_or_default();
         return print_json(&json!({"valid": true, "spec": spec,
-            "spec_sha256": submission.spec.sha256(), "estimate": estimate}));
+            "spec_sha256": submission.spec.sha256(), "estimate": estimate, "calibration": calibration}));
     }
     print_line(&format!(
         "{} is a valid {} job.",

@@ -120,10 +120,7 @@ impl CheckedSubmission {
     pub fn new(submission: Submission, measured: Option<Calibration>) -> Self {
         let spec = submission.spec.to_json();
         let speed = measured.unwrap_or_default();
-        let estimate = Estimate {
-            calibrated: measured.is_some(),
-            ..submission.estimate(&speed)
-        };
+        let estimate = submission.estimate(measured);
         let (kind, threads) = (submission.spec.kind(), submission.threads);
         Self {
             needs: Needs::of(kind, &estimate, speed, threads, VERSION),
