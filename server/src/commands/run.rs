@@ -9,6 +9,7 @@ use loadframe_run::{DirectoryEnd, DirectoryError, DirectoryOptions, RunUpdate, r
 use super::engine::ENGINE;
 use super::failure::{Code, Failure};
 use super::memory::MemoryCheck;
+use super::number::positive;
 use super::progress::ProgressDisplay;
 use super::results;
 use super::signals::stop_switch;
@@ -26,8 +27,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=4096))]
     threads: u16,
     /// Seconds between checkpoints
-    #[arg(long, value_name = "S", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
-    checkpoint_every: u32,
+    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    checkpoint_every: f64,
     #[command(flatten)]
     memory: MemoryCheck,
     /// Print outcome.json
@@ -44,7 +45,7 @@ pub(crate) fn perform(arguments: Arguments) -> Result<(), Failure> {
     let options = DirectoryOptions {
         engine: ENGINE,
         threads: arguments.threads.into(),
-        checkpoint_every: Duration::from_secs(arguments.checkpoint_every.into()),
+        checkpoint_every: Duration::from_secs_f64(arguments.checkpoint_every),
         switch: &switch,
     };
     let mut display = ProgressDisplay::start(&submission.name);

@@ -284,6 +284,8 @@ impl Change {
             return Err(StoreError::Edited);
         }
         self.check_hurry(edit.priority, job).await?;
+        let (project, detail) = (edit.project, edit.detail());
+        let action = project.map_or("job.changed", |_| "job.moved");
         query(
             "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),
                 tags = COALESCE(?, tags), priority = COALESCE(?, priority),
@@ -297,16 +299,14 @@ impl Change {
         .bind(job)
         .execute(&mut self.connection)
         .await?;
-        if let Some(project) = edit.project {
+        if let Some(project) = project {
             query("UPDATE jobs SET project = ? WHERE seq = ?")
                 .bind(project)
                 .bind(job)
                 .execute(&mut self.connection)
                 .await?;
-            let detail = format!("to project {project}");
-            self.audit("job.moved", Some(id), &detail).await?;
         }
-        self.audit("job.changed", Some(id), "").await?;
+        self.audit(action, Some(id), &detail).await?;
         self.event(id, EventType::Job).await?;
         query("UPDATE jobs SET edited = version WHERE seq = ?")
             .bind(job)

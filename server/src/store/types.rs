@@ -199,6 +199,28 @@ pub struct JobEdit {
     pub known_version: Option<u64>,
 }
 
+impl JobEdit {
+    /// What it changes, for the audit log.
+    pub(super) fn detail(&self) -> String {
+        let moved = self.project.map(|project| format!("to project {project}"));
+        let fields = [
+            ("name", self.name.is_some()),
+            ("notes", self.notes.is_some()),
+            ("tags", self.tags.is_some()),
+            ("priority", self.priority.is_some()),
+            ("overrun_factor", self.overrun_factor.is_some()),
+        ];
+        let changed = fields
+            .into_iter()
+            .filter_map(|(field, is_changed)| is_changed.then(|| field.to_owned()));
+        moved
+            .into_iter()
+            .chain(changed)
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+}
+
 /// What a user may ask of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UserAction {

@@ -14,7 +14,8 @@ use crate::support::{Answer, JSON, example, request};
 const DEEDS: &str = r#"
 anna   | create_project    | POST /v1/projects                          | project.made        | a project | {"name": "a project", "visibility": "private"}
 anna   | submit_job        | POST /v1/jobs?project=<projects>           | job.submitted       | <example name> | <example>
-anna   | change_job        | PATCH /v1/jobs/<jobs>                      | job.changed         |           | {"name": "another name"}
+anna   | change_job        | PATCH /v1/jobs/<jobs>                      | job.changed         | name      | {"name": "another name"}
+anna   | change_job        | PATCH /v1/jobs/<jobs>                      | job.moved           | to project <projects>, tags | {"project": "<projects>", "tags": ["moved"]}
 anna   | pause_job         | POST /v1/jobs/<jobs>/pause                 | job.paused          |           |
 anna   | resume_job        | POST /v1/jobs/<jobs>/resume                | job.resumed         |           |
 anna   | cancel_job        | POST /v1/jobs/<jobs>/cancel                | job.cancelled       |           |
