@@ -46,6 +46,11 @@ fn submit_watch_and_fetch_bring_home_what_run_gives() {
     std::fs::write(folder.join("curve.csv"), "damaged").unwrap();
     assert_eq!(code(&shell(&server, &["fetch", id, "--out", out])), 0);
     assert_eq!(JobFiles::in_folder(&folder), alone);
+    // nothing is fetched among the files of another result
+    let other = server.folder().join("alone");
+    let refused = shell(&server, &["fetch", id, "--out", other.to_str().unwrap()]);
+    assert_eq!(code(&refused), 2, "{}", text(&refused));
+    assert_eq!(JobFiles::in_folder(&other), alone);
     let listed = shell(&server, &["list"]);
     assert!(text(&listed).contains(&id[..8]), "{}", text(&listed));
 }

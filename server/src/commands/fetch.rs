@@ -6,7 +6,7 @@ use clap::Args;
 use futures_util::StreamExt;
 use loadframe_api::{FileEntry, JobView, Page, check_file_name};
 use loadframe_client::{ServerClient, ServerError};
-use loadframe_run::sha256_of_file;
+use loadframe_run::{OUTCOME_FILE, sha256_of_file};
 use reqwest::{Method, StatusCode, header};
 use tokio::fs::File;
 use tokio::io::AsyncWriteExt;
@@ -41,6 +41,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         let message = format!("the job has no files: {}", job.reason);
         return Err(Failure::new(Code::Failed, message));
     }
+    require_own(&arguments.out, &files.items)?;
     let mut fetched = 0;
     for entry in &files.items {
         let fetch = Fetch {
@@ -62,6 +63,20 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         arguments.out.display()
     ));
     Ok(())
+}
+
+/// A folder with the result of another job would hold something of both.
+fn require_own(folder: &Path, files: &[FileEntry]) -> Result<(), Failure> {
+    let there = folder.join(OUTCOME_FILE);
+    let of_job = files.iter().find(|entry| entry.name == OUTCOME_FILE);
+    let is_own =
+        |entry: &FileEntry| sha256_of_file(&there).is_ok_and(|sha256| sha256 == entry.sha256);
+    if !there.exists() || of_job.is_some_and(is_own) {
+        return Ok(());
+    }
+    let folder = folder.display();
+    let message = format!("{folder} holds another result ({OUTCOME_FILE}); choose another folder");
+    Err(Failure::new(Code::Usage, message))
 }
 
 /// Where a file goes. A name that leads out of the folder is refused, whoever sent it.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use loadframe_server::store::people::Actor;
-use loadframe_server::store::{Store, StoreError, StoreOptions};
+use loadframe_server::store::{DatabasePlace, Store, StoreError, StoreOptions};
 
 use super::database::DatabaseOptions;
 use super::failure::{Code, Failure};
@@ -60,13 +60,31 @@ pub(crate) struct DataFolder {
 }
 
 impl DataFolder {
-    pub(crate) async fn store(&self) -> Result<Store, Failure> {
-        let options = StoreOptions {
+    fn options(&self) -> Result<StoreOptions, Failure> {
+        Ok(StoreOptions {
             database: self.database.place()?,
             ..StoreOptions::new(&self.data)
-        };
-        let store = Store::open_beside(options).await;
+        })
+    }
+
+    pub(crate) async fn store(&self) -> Result<Store, Failure> {
+        let store = Store::open_beside(self.options()?).await;
         Ok(store.map_err(refuse)?.acting(Actor::shell()))
+    }
+
+    /// Also before a server was ever started: makes the store, and says so.
+    pub(crate) async fn store_or_new(&self) -> Result<Store, Failure> {
+        let options = self.options()?;
+        let is_new = matches!(options.database, DatabasePlace::Folder) && !Store::is_in(&self.data);
+        let store = Store::make_beside(options).await;
+        let store = store.map_err(refuse)?.acting(Actor::shell());
+        if is_new {
+            print_error(&format!(
+                "A new store was made in {0}: `loadframe serve --data {0}` serves it.",
+                self.data.display()
+            ));
+        }
+        Ok(store)
     }
 }
 
@@ -88,7 +106,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
             password_file,
             folder,
         } => {
-            let store = folder.store().await?;
+            let store = folder.store_or_new().await?;
             let password = password(password_file).await?;
             let made = store.create_first_administrator(&name, &password).await;
             let made = made.map_err(refuse)?;

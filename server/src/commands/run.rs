@@ -73,7 +73,11 @@ pub(crate) fn perform(arguments: Arguments) -> Result<(), Failure> {
                 format!("stopped; {folder} holds a checkpoint, and the same command goes on");
             return Err(Failure::new(Code::Interrupted, message));
         }
-        Err(error @ (DirectoryError::Occupied(_) | DirectoryError::InUse(_))) => {
+        Err(
+            error @ (DirectoryError::Occupied(_)
+            | DirectoryError::Stale { .. }
+            | DirectoryError::InUse(_)),
+        ) => {
             return Err(Failure::new(Code::Usage, error.to_string()));
         }
         Err(error) => return Err(Failure::of(&error)),

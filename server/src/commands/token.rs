@@ -76,7 +76,7 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
             days,
             folder,
         } => {
-            let store = folder.store().await?;
+            let store = folder.store_or_new().await?;
             let person = match person {
                 None => None,
                 Some(name) => {

@@ -16,7 +16,7 @@ use tempfile::NamedTempFile;
 use super::database::{Connection, Database, FILE as DATABASE};
 use super::disk::{blocking, hash_of, sync_folder};
 use super::error::{Loss, Result, StoreError};
-use super::identity::Mark;
+use super::identity::{Mark, require_database};
 use super::people::WEBHOOK_KEY;
 use super::removal::remove_none;
 use super::scrub::{Content, LostFile};
@@ -115,14 +115,6 @@ pub fn restore_to<'a>(
             finish(data, &into).await?;
         }
         Ok(report)
-    })
-}
-
-fn require_database(database: &Path) -> Result<()> {
-    let length = std::fs::metadata(database).map_or(0, |file| file.len());
-    (length > 0).then_some(()).ok_or_else(|| {
-        let database = database.display();
-        StoreError::Invalid(format!("{database} is missing or empty: there is no store"))
     })
 }
 

@@ -82,9 +82,9 @@ pub(super) fn checkpoint_contents(job: i64, one: Option<i64>) -> Query {
 
 /// Refuses times that no work takes.
 pub(super) fn check_times(query: &CheckpointQuery) -> Result<()> {
-    let is_wrong = |time: &f64| time.is_nan() || *time < 0.0;
+    let is_wrong = |time: &f64| !time.is_finite() || *time < 0.0;
     if [query.wall_s, query.cpu_s].iter().any(is_wrong) {
-        let sentence = "wall_s and cpu_s are not negative";
+        let sentence = "wall_s and cpu_s are finite and not negative";
         return Err(StoreError::Invalid(sentence.to_owned()));
     }
     Ok(())

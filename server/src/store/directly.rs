@@ -1,14 +1,14 @@
 //! Large files and checkpoints that a worker sends to the bucket by itself ([`super::bucket`]), and that
 //! become the attempt's when they have arrived whole and right.
+use loadframe_api::FileEntry;
 use loadframe_api::worker::{CheckpointQuery, UploadedPart};
-use loadframe_api::{FileEntry, check_file_name};
 use loadframe_client::direct::{Becomes, DirectEnd, DirectRequest, DirectUpload};
 
 use super::blobs::{check_sha256, to_the_end};
 use super::bucket::direct::{PART, Together};
 use super::checkpoints::{LARGEST_CHECKPOINT, check_times};
 use super::error::{Result, StoreError};
-use super::files::LARGEST_FILE;
+use super::files::{LARGEST_FILE, check_upload_name};
 use super::reserve::admit;
 use super::{LeaseKey, Store};
 
@@ -76,7 +76,7 @@ impl Store {
         check_sha256(sha256)?;
         let (what, limit) = match &end.becomes {
             Becomes::File { name } => {
-                check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
+                check_upload_name(name)?;
                 ("a file", LARGEST_FILE)
             }
             Becomes::Checkpoint { .. } => ("a checkpoint", LARGEST_CHECKPOINT),

@@ -1,5 +1,5 @@
 //! Result files: taken in from workers, given out to everybody.
-use loadframe_api::{FileEntry, check_file_name};
+use loadframe_api::{FileEntry, PARTIAL_FOLDER, check_file_name};
 use tokio::io::AsyncRead;
 use uuid::Uuid;
 
@@ -17,6 +17,17 @@ use super::{LeaseKey, Store};
 
 /// Largest result file [bytes].
 pub(super) const LARGEST_FILE: u64 = 8 << 30;
+
+/// Accepts names of result files but for those in the folder of failed attempts, where an attempt that fails has its
+/// files put: two would have one name.
+pub(super) fn check_upload_name(name: &str) -> Result<()> {
+    check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
+    if name.starts_with(PARTIAL_FOLDER) {
+        let sentence = format!("{name}: {PARTIAL_FOLDER} is for the files of failed attempts");
+        return Err(StoreError::Invalid(sentence));
+    }
+    Ok(())
+}
 
 impl Store {
     /// Takes in a result file. It belongs to the attempt, and to the job only after `complete`.
@@ -46,7 +57,7 @@ impl Store {
         from: u64,
         body: impl AsyncRead + Send + Unpin,
     ) -> Result<FileEntry> {
-        check_file_name(name).map_err(|error| StoreError::Invalid(error.to_string()))?;
+        check_upload_name(name)?;
         self.check_lease(key).await?;
         let arriving = Some((key.id, from));
         let received = self

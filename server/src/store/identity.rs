@@ -57,6 +57,15 @@ impl Mark {
     }
 }
 
+/// Refuses to go on where no store is, which would make an empty one.
+pub(super) fn require_database(database: &Path) -> Result<()> {
+    let length = std::fs::metadata(database).map_or(0, |file| file.len());
+    (length > 0).then_some(()).ok_or_else(|| {
+        let database = database.display();
+        StoreError::Invalid(format!("{database} is missing or empty: there is no store"))
+    })
+}
+
 /// Refuses to make a database where there are files: theirs was lost. Nothing is written, so that it can
 /// be put back.
 ///

@@ -10,10 +10,12 @@ use super::blobs::Blobs;
 use super::calls::Calls;
 use super::clock::Clock;
 use super::collector::Reports;
-use super::database::{Connection, Database, DatabasePlace, Reading, Undo, query_scalar};
+use super::database::{
+    Connection, Database, DatabasePlace, FILE as DATABASE, Reading, Undo, query_scalar,
+};
 use super::error::{Result, StoreError};
 use super::handle::{Inner, Store};
-use super::identity::{Opening, identify, refuse_new_beside_files};
+use super::identity::{Opening, identify, refuse_new_beside_files, require_database};
 use super::people::AccessState;
 use super::place::refuse_network;
 use super::private::{private_database, private_folder};
@@ -61,8 +63,26 @@ impl Store {
     /// Opens the store beside a server that may be running, for commands on tokens.
     ///
     /// # Errors
+    /// [`StoreError::Invalid`] where there is no store; file and database errors.
+    pub fn open_beside(options: StoreOptions) -> BoxFuture<'static, Result<Self>> {
+        Box::pin(async move {
+            if matches!(options.database, DatabasePlace::Folder) {
+                require_database(&options.data.join(DATABASE))?;
+            }
+            Self::make_beside(options).await
+        })
+    }
+
+    /// Whether a store is in this folder, but for one whose database is elsewhere.
+    pub fn is_in(data: &Path) -> bool {
+        require_database(&data.join(DATABASE)).is_ok()
+    }
+
+    /// As [`Self::open_beside`], but makes the store where there is none yet.
+    ///
+    /// # Errors
     /// File and database errors.
-    pub fn open_beside(mut options: StoreOptions) -> BoxFuture<'static, Result<Self>> {
+    pub fn make_beside(mut options: StoreOptions) -> BoxFuture<'static, Result<Self>> {
         Box::pin(async move {
             private_folder(&options.data)?;
             if matches!(options.database, DatabasePlace::Folder) {

@@ -211,6 +211,9 @@ impl Change {
                 None => self.remember(key, job.id).await?,
             }
         }
+        if let Some(project) = job.project {
+            self.require_open(project).await?;
+        }
         let person = self.actor.as_ref().and_then(|actor| actor.person);
         let row = query(
             // a job of before there were people is the first administrator's, also at the last moment
@@ -271,6 +274,24 @@ impl Change {
         Ok(Submitted::New(Box::new(row)))
     }
 
+    /// Refuses a project that was deleted or archived since the request for it was allowed.
+    async fn require_open(&mut self, project: Uuid) -> Result<()> {
+        let is_archived: Option<bool> = query_scalar(
+            "SELECT archived_at IS NOT NULL FROM projects WHERE id = ? AND deleted_at IS NULL",
+        )
+        .bind(project)
+        .fetch_optional(&mut self.connection)
+        .await?;
+        match is_archived {
+            None => Err(StoreError::NotFound(format!("project {project}"))),
+            Some(true) => {
+                let sentence = "the project is archived and takes no jobs; bring it back first";
+                Err(StoreError::Conflict(sentence.to_owned()))
+            }
+            Some(false) => Ok(()),
+        }
+    }
+
     async fn edit(&mut self, id: Uuid, edit: JobEdit) -> Result<()> {
         let (job, edited): (i64, i64) = query_as("SELECT seq, edited FROM jobs WHERE id = ?")
             .bind(id)
@@ -285,6 +306,9 @@ impl Change {
         }
         self.check_hurry(edit.priority, job).await?;
         let (project, detail) = (edit.project, edit.detail());
+        if let Some(project) = project {
+            self.require_open(project).await?;
+        }
         let action = project.map_or("job.changed", |_| "job.moved");
         query(
             "UPDATE jobs SET name = COALESCE(?, name), notes = COALESCE(?, notes),

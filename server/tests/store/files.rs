@@ -61,6 +61,10 @@ async fn what_does_not_arrive_whole_and_right_leaves_nothing() {
     assert!(is_invalid(
         lab.upload(key(&lease), "../a.txt", &right, content).await
     ));
+    assert!(is_invalid(
+        lab.upload(key(&lease), "partial/a.txt", &right, content)
+            .await
+    ));
     let broken = lab
         .upload(key(&lease), "a.txt", &right, Broken(b"con"))
         .await;

@@ -60,8 +60,10 @@ async fn a_missing_or_empty_database_refuses_to_start_and_no_file_is_touched() {
         let sentence = refused(data).await;
         assert!(sentence.contains("loadframe restore"), "{sentence}");
         // a command beside it makes no database that would be taken for its own
-        let beside = Store::open_beside(StoreOptions::new(data)).await;
+        let beside = Store::make_beside(StoreOptions::new(data)).await;
         assert!(matches!(beside, Err(StoreError::NotTogether(_))));
+        let beside = Store::open_beside(StoreOptions::new(data)).await;
+        assert!(matches!(beside, Err(StoreError::Invalid(_))));
         assert_eq!(stored(data), before);
     }
     without_database(data);

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use loadframe_api::{FileEntry, JobSpec, Outcome};
+use loadframe_api::{FileEntry, JobSpec, Outcome, Provenance};
 
 use super::engine::Engine;
 use super::execute::{Ended, RunError, execute};
@@ -45,6 +45,8 @@ pub enum DirectoryEnd {
 pub enum DirectoryError {
     #[error("{} holds files that are not of a run of this spec; choose another folder", .0.display())]
     Occupied(PathBuf),
+    #[error("{} holds a result of this spec that cannot be given for this build's: {reason}; choose another folder, or remove it", folder.display())]
+    Stale { folder: PathBuf, reason: String },
     #[error("another process is running into {}", .0.display())]
     InUse(PathBuf),
     #[error("{} cannot be used", folder.display())]
@@ -86,6 +88,10 @@ pub fn run_to_directory(
     let spec_sha256 = spec.sha256();
     let saved = match content(folder, options.engine, &spec_sha256).map_err(unusable)? {
         Content::Result(outcome) => return Ok(DirectoryEnd::AlreadyThere(outcome)),
+        Content::Stale(reason) => {
+            let folder = folder.to_owned();
+            return Err(DirectoryError::Stale { folder, reason });
+        }
         Content::Other => return Err(DirectoryError::Occupied(folder.to_owned())),
         Content::Nothing => None,
         Content::Unfinished(Ok(saved)) => Some(saved),
@@ -124,6 +130,8 @@ enum Content {
     Nothing,
     Unfinished(Result<SavedRun, String>),
     Result(Box<Outcome>),
+    /// A result of the spec, and why it is not what this build would give.
+    Stale(String),
     Other,
 }
 
@@ -138,7 +146,10 @@ fn content(folder: &Path, engine: Engine, spec_sha256: &str) -> io::Result<Conte
     if let Some(bytes) = read_if_there(&folder.join(OUTCOME_FILE))? {
         return Ok(match serde_json::from_slice::<Outcome>(&bytes) {
             Ok(outcome) if outcome.provenance.spec_sha256 == spec_sha256 => {
-                Content::Result(Box::new(outcome))
+                match flaw(&outcome, engine, folder) {
+                    None => Content::Result(Box::new(outcome)),
+                    Some(flaw) => Content::Stale(flaw),
+                }
             }
             _ => Content::Other,
         });
@@ -157,16 +168,36 @@ fn read_if_there(path: &Path) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
+/// Why a result is not what this build would give: another computed it, or a file is not what it was.
+fn flaw(outcome: &Outcome, engine: Engine, folder: &Path) -> Option<String> {
+    let Provenance {
+        engine_version,
+        engine_commit,
+        ..
+    } = &outcome.provenance;
+    if (engine_version.as_str(), engine_commit.as_str()) != (engine.version, engine.commit) {
+        let (this, own) = (format!("{engine_version}+{engine_commit}"), engine.build());
+        return Some(format!("{this} computed it, and this is {own}"));
+    }
+    let damaged = damaged(&outcome.files, folder)?;
+    Some(format!("{damaged} is not as outcome.json knows it"))
+}
+
 /// The files of a saved run must be as they were: the run does not write them again.
 fn check_files(saved: SavedRun, folder: &Path) -> Result<SavedRun, String> {
-    let is_whole = |entry: &&FileEntry| {
-        sha256_of_file(&folder.join(&entry.name)).is_ok_and(|sha256| sha256 == entry.sha256)
-    };
-    let damaged = saved.files().iter().find(|entry| !is_whole(entry));
-    match damaged.map(|entry| entry.name.clone()) {
+    match damaged(saved.files(), folder) {
         Some(name) => Err(format!("{name} is not as the checkpoint knows it")),
         None => Ok(saved),
     }
+}
+
+/// Name of the first file that is not there as it was.
+fn damaged<'a>(files: &'a [FileEntry], folder: &Path) -> Option<&'a str> {
+    let is_whole = |entry: &&FileEntry| {
+        sha256_of_file(&folder.join(&entry.name)).is_ok_and(|sha256| sha256 == entry.sha256)
+    };
+    let damaged = files.iter().find(|entry| !is_whole(entry));
+    damaged.map(|entry| entry.name.as_str())
 }
 
 /// Keeps checkpoints beside the files, which are in the folder already.
@@ -269,6 +300,33 @@ mod tests {
         assert!(results(alone.path()).contains("\nmax_force,"));
         assert!(!stopped.path().join(CHECKPOINT_FILE).exists());
         let (end, _) = run(stopped.path(), NEVER);
+        assert!(matches!(end, Ok(DirectoryEnd::AlreadyThere(_))), "{end:?}");
+    }
+
+    #[test]
+    fn a_result_of_another_build_or_with_another_file_is_not_given_for_this_ones() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (end, _) = run(folder.path(), NEVER);
+        assert!(matches!(end, Ok(DirectoryEnd::Finished(_))), "{end:?}");
+        let refused_after = |name: &str, change: &dyn Fn(String) -> String| {
+            let path = folder.path().join(name);
+            let text = std::fs::read_to_string(&path).expect("a file of the result");
+            std::fs::write(&path, change(text.clone())).expect("written");
+            let end = run(folder.path(), NEVER).0;
+            std::fs::write(&path, text).expect("written");
+            end.expect_err("it is another").to_string()
+        };
+        let refused = refused_after(OUTCOME_FILE, &|text| text.replace("1.2.3", "1.2.2"));
+        assert!(
+            refused.contains("1.2.2+abc computed it, and this is 1.2.3+abc"),
+            "{refused}"
+        );
+        let refused = refused_after("curve.csv", &|text| text.replacen('1', "2", 1));
+        assert!(
+            refused.contains("curve.csv is not as outcome.json knows it"),
+            "{refused}"
+        );
+        let (end, _) = run(folder.path(), NEVER);
         assert!(matches!(end, Ok(DirectoryEnd::AlreadyThere(_))), "{end:?}");
     }
 

@@ -40,7 +40,7 @@ pub use machine::{
     available_threads, free_disk_mb, free_memory_mb, host_name, resident_memory_mb,
     thread_processor_time_s,
 };
-pub use outcome::{Circumstances, assemble};
+pub use outcome::{Circumstances, OUTCOME_FILE, assemble};
 pub use plan::Plan;
 pub use preview::preview;
 pub use recording::{Destination, Progress};

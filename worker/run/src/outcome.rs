@@ -6,7 +6,7 @@ use super::engine::Engine;
 use super::machine::{host_name, peak_memory_mb};
 
 /// Name of the file that describes all others.
-pub(crate) const OUTCOME_FILE: &str = "outcome.json";
+pub const OUTCOME_FILE: &str = "outcome.json";
 
 /// Where and when a run took place.
 #[derive(Clone, Debug)]

@@ -30,6 +30,11 @@ impl Store {
         millis(self.options().trash)
     }
 
+    /// What was deleted until then is gone.
+    fn gone_before(&self) -> i64 {
+        self.now().as_millis() - self.trash_millis()
+    }
+
     /// Moves the job with its curve, log and files to the trash.
     ///
     /// # Errors
@@ -64,17 +69,22 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] for a job whose project is deleted.
     pub async fn bring_back(&self, id: Uuid) -> Result<()> {
+        let after = self.gone_before();
         match self.in_trash(id).await?.0 {
             Deleted::Job => {
                 self.write(move |change| {
                     Box::pin(async move {
-                        let name = change.bring_back(id).await?;
+                        let name = change.bring_back(id, after).await?;
                         change.audit("job.restored", Some(id), &name).await
                     })
                 })
                 .await
             }
             Deleted::Project => {
+                self.write(move |change| {
+                    Box::pin(async move { change.bring_back_project(id, after).await })
+                })
+                .await?;
                 while !self
                     .write(move |change| Box::pin(async move { change.bring_back_some(id).await }))
                     .await?
@@ -96,9 +106,14 @@ impl Store {
             let sentence = "what a project's rule removed goes when its time is over";
             return Err(StoreError::Conflict(sentence.to_owned()));
         }
+        let after = self.gone_before();
         while self
             .write_from_reserve(move |change| {
                 Box::pin(async move {
+                    // somebody may have brought it back since it was looked for
+                    if what == Deleted::Project {
+                        change.require_deleted(id, after).await?;
+                    }
                     let jobs: Vec<i64> = query_scalar(
                         "SELECT job FROM trash WHERE (?1 = 'job' AND id = ?2)
                             OR (?1 = 'project' AND project = ?2 AND with_project) LIMIT ?3",
@@ -112,6 +127,9 @@ impl Store {
                     .bind(AT_ONCE)
                     .fetch_all(&mut change.connection)
                     .await?;
+                    if jobs.is_empty() && what == Deleted::Job {
+                        return Err(missing(id));
+                    }
                     for job in &jobs {
                         change.erase(*job).await?;
                     }
@@ -248,20 +266,24 @@ impl Change {
     }
 
     /// Brings a job back; tells its name.
-    async fn bring_back(&mut self, id: Uuid) -> Result<String> {
-        let found: Option<(i64, String, bool)> = query_as(
-            "DELETE FROM trash WHERE id = ? RETURNING job, name, EXISTS (SELECT 1 FROM projects p
-                WHERE p.id = trash.project AND p.deleted_at IS NOT NULL)",
+    async fn bring_back(&mut self, id: Uuid, after: i64) -> Result<String> {
+        let found: Option<(i64, String, Option<i64>)> = query_as(
+            "DELETE FROM trash WHERE id = ? RETURNING job, name,
+                (SELECT deleted_at FROM projects p WHERE p.id = trash.project)",
         )
         .bind(id)
         .fetch_optional(&mut self.connection)
         .await?;
-        let (job, name, is_without_project) = found.ok_or_else(|| missing(id))?;
-        if is_without_project {
+        let (job, name, without_project_since) = found.ok_or_else(|| missing(id))?;
+        if without_project_since.is_some_and(|since| since > after) {
             let sentence = "its project is deleted; bring the project back first";
             return Err(StoreError::Conflict(sentence.to_owned()));
         }
         rows::bring_back(&mut self.connection, job).await?;
+        if without_project_since.is_some() {
+            // the project is gone for good: the job goes where its owner's new ones do
+            self.bring_home(id).await?;
+        }
         query("DELETE FROM events WHERE job = ?")
             .bind(id)
             .execute(&mut self.connection)
@@ -271,14 +293,54 @@ impl Change {
         Ok(name)
     }
 
-    /// Brings a project back, and its next jobs; tells whether it is done.
-    async fn bring_back_some(&mut self, project: Uuid) -> Result<bool> {
-        let name: String = query_scalar(
-            "UPDATE projects SET deleted_at = NULL, deleted_by = NULL WHERE id = ? RETURNING name",
+    /// Puts a job whose project is gone where its owner's new jobs go.
+    async fn bring_home(&mut self, id: Uuid) -> Result<()> {
+        let moved = query(
+            "UPDATE jobs SET project = (SELECT p.id FROM projects p WHERE p.person = jobs.owner
+                AND p.archived_at IS NULL AND p.deleted_at IS NULL ORDER BY p.created_at, p.id LIMIT 1)
+             WHERE id = ?1 AND EXISTS (SELECT 1 FROM projects p WHERE p.person = jobs.owner
+                AND p.archived_at IS NULL AND p.deleted_at IS NULL)",
         )
-        .bind(project)
-        .fetch_one(&mut self.connection)
+        .bind(id)
+        .execute(&mut self.connection)
         .await?;
+        if moved.rows_affected() == 0 {
+            let sentence = "its project is gone, and its owner has no other that takes jobs: make one, or bring one back, and then the job";
+            return Err(StoreError::Conflict(sentence.to_owned()));
+        }
+        Ok(())
+    }
+
+    /// Refuses unless the project was deleted after `after`, and nobody brought it back.
+    async fn require_deleted(&mut self, project: Uuid, after: i64) -> Result<()> {
+        let found: Option<Uuid> =
+            query_scalar("SELECT id FROM projects WHERE id = ? AND deleted_at > ?")
+                .bind(project)
+                .bind(after)
+                .fetch_optional(&mut self.connection)
+                .await?;
+        found.map(|_| ()).ok_or_else(|| missing(project))
+    }
+
+    /// Brings a project back without its jobs.
+    async fn bring_back_project(&mut self, project: Uuid, after: i64) -> Result<()> {
+        // somebody may have removed it for good since it was looked for
+        self.require_deleted(project, after).await?;
+        query("UPDATE projects SET deleted_at = NULL, deleted_by = NULL WHERE id = ?")
+            .bind(project)
+            .execute(&mut self.connection)
+            .await?;
+        Ok(())
+    }
+
+    /// Brings the next jobs of a project back that is there again; tells whether it is done.
+    async fn bring_back_some(&mut self, project: Uuid) -> Result<bool> {
+        let name: Option<String> =
+            query_scalar("SELECT name FROM projects WHERE id = ? AND deleted_at IS NULL")
+                .bind(project)
+                .fetch_optional(&mut self.connection)
+                .await?;
+        let name = name.ok_or_else(|| missing(project))?;
         let jobs: Vec<Uuid> = query_scalar(
             "SELECT id FROM trash WHERE project = ? AND with_project ORDER BY job LIMIT ?",
         )
@@ -287,7 +349,7 @@ impl Change {
         .fetch_all(&mut self.connection)
         .await?;
         for job in &jobs {
-            let name = self.bring_back(*job).await?;
+            let name = self.bring_back(*job, i64::MIN).await?;
             self.audit("job.restored", Some(*job), &name).await?;
         }
         let is_done = jobs.len() < AT_ONCE as usize;

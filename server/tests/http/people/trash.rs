@@ -432,3 +432,86 @@ async fn the_trash_comes_in_pages() {
         .await
         .problem(422, "invalid-request");
 }
+
+#[tokio::test]
+async fn of_restoring_and_removing_for_good_at_once_one_is_done() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    for _ in 0..10 {
+        let project = group.project(anna, Visibility::Everyone, None).await.id;
+        let job = group.submit(anna, project).await;
+        let path = format!("/v1/projects/{project}");
+        assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
+        let (restore, erase) = (
+            format!("/v1/trash/{project}/restore"),
+            format!("/v1/trash/{project}"),
+        );
+        let (restored, erased) = tokio::join!(
+            group.send(anna, "POST", &restore, ""),
+            group.send(anna, "DELETE", &erase, ""),
+        );
+        let mut statuses = [restored.status, erased.status];
+        let is_back = restored.status == 204;
+        statuses.sort_unstable();
+        assert_eq!(statuses, [204, 404], "{restored:?} {erased:?}");
+        let expected = if is_back { 200 } else { 404 };
+        for path in [path, format!("/v1/jobs/{job}")] {
+            assert_eq!(
+                group.get(anna, &path).await.status,
+                expected,
+                "{path} {is_back}"
+            );
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_project_that_is_deleted_meanwhile_takes_no_jobs() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    let home = group.project(anna, Visibility::Private, None).await.id;
+    for _ in 0..10 {
+        let project = group.project(anna, Visibility::Everyone, None).await.id;
+        let job = group.submit(anna, home).await;
+        let body = json!({ "project": project }).to_string();
+        let (of_job, of_project) = (format!("/v1/jobs/{job}"), format!("/v1/projects/{project}"));
+        let (moved, deleted) = tokio::join!(
+            group.send(anna, "PATCH", &of_job, &body),
+            group.send(anna, "DELETE", &of_project, ""),
+        );
+        assert_eq!(deleted.status, 204, "{deleted:?}");
+        let answer = group.get(anna, &of_job).await;
+        if moved.status == 200 {
+            assert_eq!(answer.status, 404, "it went with the project: {answer:?}");
+        } else {
+            assert_eq!((moved.status, answer.status), (404, 200), "{moved:?}");
+            assert_eq!(answer.json()["project"]["id"], json!(home));
+        }
+    }
+}
+
+#[tokio::test]
+async fn a_job_whose_project_is_gone_comes_back_to_its_owners_own() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    let own = id_of(
+        &group
+            .send(anna, "POST", "/v1/jobs", crate::support::example())
+            .await
+            .json(),
+    );
+    let own = group.get(anna, &format!("/v1/jobs/{own}")).await.json()["project"].clone();
+    let project = group.project(anna, Visibility::Everyone, None).await.id;
+    let job = group.submit(anna, project).await;
+    for path in [format!("/v1/jobs/{job}"), format!("/v1/projects/{project}")] {
+        assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
+    }
+    let restore = format!("/v1/trash/{job}/restore");
+    // the project can be brought back, so it should
+    assert_eq!(group.send(anna, "POST", &restore, "").await.status, 409);
+    let erase = format!("/v1/trash/{project}");
+    assert_eq!(group.send(anna, "DELETE", &erase, "").await.status, 204);
+    assert_eq!(group.send(anna, "POST", &restore, "").await.status, 204);
+    let back = group.get(anna, &format!("/v1/jobs/{job}")).await.json();
+    assert_eq!(back["project"], own);
+}
