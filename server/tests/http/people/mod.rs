@@ -9,6 +9,7 @@ mod limits;
 mod mails;
 mod matrix;
 mod order;
+mod projects;
 mod proxy;
 mod remembered;
 mod secrets;
