@@ -6,6 +6,7 @@ mod everything;
 pub(crate) mod group;
 mod issuer;
 mod limits;
+mod links;
 mod mails;
 mod matrix;
 mod order;
