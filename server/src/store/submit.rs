@@ -224,7 +224,7 @@ impl Change {
                 COALESCE(?13, (SELECT id FROM people WHERE role = 'administrator'
                                ORDER BY created_at LIMIT 1)),
                 COALESCE(?14, (SELECT id FROM projects
-                    WHERE person = ?13 AND archived_at IS NULL AND deleted_at IS NULL
+                    WHERE person = ?13 AND archived_at IS NULL AND deleted_at IS NULL AND NOT is_received
                     ORDER BY created_at, id LIMIT 1)),
                 (SELECT id FROM needs WHERE memory_mb = ?15 AND disk_mb = ?16 AND core_s = ?17
                     AND threads = ?18 AND release = ?19), ?20)",

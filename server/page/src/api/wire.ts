@@ -1179,7 +1179,7 @@ export interface paths {
         };
         /**
          * List share links
-         * @description One's own and those to one's jobs; administrators see all.
+         * @description One's own and those to jobs, projects and comparisons that one may change; administrators see all.
          */
         get: operations["list_shares"];
         put?: never;
@@ -6935,7 +6935,7 @@ export interface operations {
             query?: {
                 /** @description Only check the job and say what it would take; nothing is stored. */
                 dry_run?: boolean;
-                /** @description The project the job goes to; left out, the first of your own. Only where the server has accounts. */
+                /** @description The project the job goes to; left out, the oldest that you made and that is not archived. Only where the server has accounts. */
                 project?: string;
             };
             header?: {
@@ -11245,6 +11245,10 @@ export interface operations {
                 job?: string;
                 /** @description Only links to this comparison. */
                 comparison?: string;
+                /** @description Most links on a page; 1000 when left out. */
+                limit?: number;
+                /** @description `next` of the page before. */
+                cursor?: string;
             };
             header?: never;
             path?: never;
@@ -11283,6 +11287,15 @@ export interface operations {
             };
             /** @description This is not for the caller to do; or an open server was addressed by another name than its machine's, or by a page from elsewhere */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The cursor is not one of this server */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };

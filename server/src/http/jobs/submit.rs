@@ -33,7 +33,7 @@ pub(in crate::http) struct SubmitQuery {
     #[serde(default)]
     #[param(value_type = bool, required = false)]
     dry_run: bool,
-    /// The project the job goes to; left out, the first of your own. Only where the server has accounts.
+    /// The project the job goes to; left out, the oldest that you made and that is not archived. Only where the server has accounts.
     #[param(value_type = Uuid, required = false)]
     project: Option<Uuid>,
 }

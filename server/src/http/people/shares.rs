@@ -12,9 +12,14 @@ use uuid::Uuid;
 
 use super::super::AppState;
 use super::super::body::{JsonBody, message};
+use super::super::bounded::{Number, Text};
 use super::super::permit::{Change, ManageOwn, Permit};
 use super::super::problem::{ApiError, FORBIDDEN, INVALID, Result};
 use crate::access::Action;
+use crate::store::people::ShareFilter;
+
+/// Links on a page unless asked otherwise.
+const PAGE: u32 = 1000;
 
 pub(super) fn router() -> OpenApiRouter<AppState> {
     OpenApiRouter::default()
@@ -32,25 +37,35 @@ struct ShareQuery {
     /// Only links to this comparison.
     #[param(value_type = Uuid, required = false)]
     comparison: Option<Uuid>,
+    /// Most links on a page; 1000 when left out.
+    #[param(value_type = u32, required = false, minimum = 1, maximum = 1000)]
+    limit: Option<Number<1, 1000>>,
+    /// `next` of the page before.
+    #[param(value_type = String, required = false, min_length = 1, max_length = 200)]
+    cursor: Option<Text<1, 200>>,
 }
 
 /// List share links
 ///
-/// One's own and those to one's jobs; administrators see all.
+/// One's own and those to jobs, projects and comparisons that one may change; administrators see all.
 #[utoipa::path(get, operation_id = "list_shares", path = "/v1/shares", tag = "People",
     params(ShareQuery),
-    responses((status = 200, description = "The newest first, without their secrets", body = ref("#/components/schemas/ShareViewPage"))))]
+    responses((status = 200, description = "The newest first, without their secrets", body = ref("#/components/schemas/ShareViewPage")),
+              (status = 422, description = "The cursor is not one of this server")))]
 async fn list(
     permit: Permit<ManageOwn>,
     Query(query): Query<ShareQuery>,
 ) -> Result<Json<Page<ShareView>>> {
-    let sight = permit.call.sight(&permit.store).await?;
-    let person = permit.call.person()?.id;
-    let items = permit
-        .store
-        .shares(person, &sight, query.job, query.comparison);
-    let items = items.await?;
-    Ok(Json(Page::whole(items)))
+    let person = permit.call.person()?;
+    let is_administrator = person.role == Role::Administrator;
+    let filter = ShareFilter {
+        job: query.job,
+        comparison: query.comparison,
+        cursor: query.cursor.map(|Text(cursor)| cursor),
+        limit: query.limit.map_or(PAGE, |Number(limit)| limit as u32),
+    };
+    let page = permit.store.shares(person.id, is_administrator, &filter);
+    Ok(Json(page.await?))
 }
 
 /// Make a share link

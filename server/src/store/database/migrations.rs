@@ -41,6 +41,7 @@ const SQLITE: &[Step] = steps! { "":
     17 "kept values" "0017_kept_values.sql",
     18 "texts in bulk" "0018_texts_in_bulk.sql",
     19 "lighter submissions" "0019_lighter_submissions.sql",
+    20 "received projects" "0020_received_projects.sql",
 };
 
 const POSTGRES: &[Step] = steps! { "postgres/":
@@ -50,6 +51,7 @@ const POSTGRES: &[Step] = steps! { "postgres/":
     4 "texts" "0004_texts.sql",
     5 "kept values" "0005_kept_values.sql",
     6 "lighter submissions" "0006_lighter_submissions.sql",
+    7 "received projects" "0007_received_projects.sql",
 };
 
 pub(super) fn of_sqlite() -> Migrator {
@@ -130,8 +132,44 @@ mod tests {
                 "1e60e7629c76ed2c",
                 "4cb74f3addabd3d8",
                 "0b311f71be1424ba",
-                "18e39f0776760a48"
+                "18e39f0776760a48",
+                "490499724f31b21e"
             ]
         );
+    }
+
+    #[tokio::test]
+    async fn projects_of_before_that_their_person_did_not_make_are_received() {
+        use sqlx::{Connection as _, Executor as _, Row as _, SqliteConnection};
+        let mut database = SqliteConnection::connect("sqlite::memory:")
+            .await
+            .expect("a database");
+        let (before, _) = SQLITE.split_at(SQLITE.partition_point(|step| step.0 < 20));
+        let before = migrator(before);
+        let before = before.run_direct(None, &mut database, false);
+        before.await.expect("the schema of before");
+        // B has the project of the account, one that B made, one of A's account, and one that A made
+        let lab = "INSERT INTO people (id, name, folded, role, password, created_at)
+            VALUES (x'0a', 'A', 'a', 'administrator', '', 100), (x'0b', 'B', 'b', 'member', '', 200);
+            INSERT INTO groups (id, name, folded, created_at) VALUES (x'0c', 'G', 'g', 150);
+            INSERT INTO projects (id, name, person, team, visibility, created_at)
+            VALUES (x'01', 'of the account', x'0b', NULL, 'private', 200),
+                   (x'02', 'made', x'0b', NULL, 'private', 300),
+                   (x'03', 'of the account of A', x'0b', NULL, 'everyone', 100),
+                   (x'04', 'made by A', x'0b', NULL, 'everyone', 150),
+                   (x'05', 'of a group', NULL, x'0c', 'group', 160);
+            INSERT INTO audit (at, who, person, action, object, detail, address)
+            VALUES (150, 'A', x'0a', 'project.made', x'04', 'made by A', ''),
+                   (160, 'A', x'0a', 'project.made', x'05', 'of a group', ''),
+                   (300, 'B', x'0b', 'project.made', x'02', 'made', ''),
+                   (400, 'B', x'0b', 'project.changed', x'04', 'made by A', '')";
+        database.execute(lab).await.expect("a lab");
+        let after = of_sqlite();
+        let after = after.run_direct(None, &mut database, false);
+        after.await.expect("the schema of now");
+        let received = database.fetch_all("SELECT id FROM projects WHERE is_received ORDER BY id");
+        let received = received.await.expect("projects");
+        let ids: Vec<Vec<u8>> = received.iter().map(|row| row.get(0)).collect();
+        assert_eq!(ids, [[3], [4]]);
     }
 }

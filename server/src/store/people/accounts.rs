@@ -168,11 +168,14 @@ impl Store {
                     .bind(from)
                     .execute(&mut change.connection)
                     .await?;
-                query("UPDATE projects SET person = ? WHERE person = ?")
-                    .bind(to)
-                    .bind(from)
-                    .execute(&mut change.connection)
-                    .await?;
+                query(
+                    "UPDATE projects SET person = ?1, is_received = TRUE
+                     WHERE person = ?2 AND person <> ?1",
+                )
+                .bind(to)
+                .bind(from)
+                .execute(&mut change.connection)
+                .await?;
                 query("UPDATE comparisons SET owner = ? WHERE owner = ?")
                     .bind(to)
                     .bind(from)

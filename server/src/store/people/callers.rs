@@ -14,8 +14,9 @@ use super::super::Store;
 use super::super::database::{query, query_as, row};
 use super::super::encoding::{parsed, variant};
 use super::super::error::{Result, StoreError};
+use super::super::jobs::hex_names;
 use super::remembered::{Remembered, Secret, Versions};
-use crate::access::{Caller, Credential, Identity, JobFacts, Link, Person, ProjectFacts};
+use crate::access::{Caller, Credential, Identity, JobFacts, Person, ProjectFacts};
 use crate::tasks;
 
 /// A session that nobody used for so long has ended [ms].
@@ -40,19 +41,8 @@ row! {
 }
 
 row! {
-    struct LinkRow {
-        id: Uuid,
-        job: Option<Uuid>,
-        project: Option<Uuid>,
-        comparison: Option<Uuid>,
-        shows_files: bool,
-        expires_at: i64,
-        compared: String,
-    }
-}
-
-row! {
     struct FactsRow {
+        job: Option<Uuid>,
         owner: Option<Uuid>,
         project: Option<Uuid>,
         person: Option<Uuid>,
@@ -63,7 +53,20 @@ row! {
     }
 }
 
-fn ids(text: &str) -> Result<Vec<Uuid>> {
+/// The statement that reads whose jobs are, ended by `$which`.
+macro_rules! select_job_facts {
+    ($which:literal) => {
+        concat!(
+            "SELECT j.id AS job, j.owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
+                (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
+             FROM jobs j LEFT JOIN projects p ON p.id = j.project AND p.deleted_at IS NULL
+             WHERE j.id ",
+            $which
+        )
+    };
+}
+
+pub(super) fn ids(text: &str) -> Result<Vec<Uuid>> {
     let ids: Vec<String> = parsed(text, "ids")?;
     let ids = ids.iter().map(|text| Uuid::try_parse(text));
     ids.collect::<Result<_, _>>()
@@ -313,39 +316,6 @@ impl Store {
         row.map(|row| row.caller(credential)).transpose()
     }
 
-    async fn link_caller(&self, sha256: Option<&str>, id: Option<Uuid>) -> Result<Option<Caller>> {
-        let row: Option<LinkRow> = query_as(
-            "SELECT s.id, s.job, s.project, s.comparison, s.shows_files, s.expires_at,
-                    (SELECT json_group_array(hex(job)) FROM comparison_jobs n
-                     WHERE n.comparison = s.comparison) AS compared
-             FROM shares s
-             WHERE (s.secret_sha256 = ?1 OR s.id = ?2) AND s.revoked_at IS NULL AND s.expires_at > ?3
-               AND (s.job IS NULL OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = s.job))
-               AND (s.project IS NULL OR EXISTS
-                    (SELECT 1 FROM projects r WHERE r.id = s.project AND r.deleted_at IS NULL))
-               AND (s.comparison IS NULL OR EXISTS
-                    (SELECT 1 FROM comparisons c WHERE c.id = s.comparison))",
-        )
-        .bind(sha256)
-        .bind(id)
-        .bind(self.now().as_millis())
-        .fetch_optional(self.lookups())
-        .await?;
-        let Some(row) = row else { return Ok(None) };
-        Ok(Some(Caller {
-            identity: Identity::Link(Link {
-                job: row.job,
-                project: row.project,
-                comparison: row.comparison,
-                compared: ids(&row.compared)?,
-                shows_files: row.shows_files,
-            }),
-            scope: Scope::Read,
-            credential: Credential::Link(row.id),
-            expires_at: Some(Timestamp(row.expires_at)),
-        }))
-    }
-
     /// Writes down that a credential was used, without making its request wait for the disk.
     fn note_use(&self, statement: &'static str, id: Uuid, now: i64) {
         let store = self.clone();
@@ -371,21 +341,33 @@ impl Store {
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn job_facts(&self, id: Uuid) -> Result<JobFacts> {
-        let row: Option<FactsRow> = query_as(
-            "SELECT j.owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
-                    (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
-             FROM jobs j LEFT JOIN projects p ON p.id = j.project AND p.deleted_at IS NULL
-             WHERE j.id = ?",
-        )
-        .bind(id)
-        .fetch_optional(self.lookups())
-        .await?;
+        let row: Option<FactsRow> = query_as(select_job_facts!("= ?"))
+            .bind(id)
+            .fetch_optional(self.lookups())
+            .await?;
         let row = row.ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
         Ok(JobFacts {
             id,
             owner: row.owner,
             project: row.project()?,
         })
+    }
+
+    /// Whose those of these jobs are that are there.
+    pub(super) async fn facts_of_jobs(&self, jobs: &[Uuid]) -> Result<Vec<JobFacts>> {
+        let which = select_job_facts!("IN (SELECT unhex(value) FROM json_each(?))");
+        let rows: Vec<FactsRow> = query_as(which)
+            .bind(hex_names(jobs)?)
+            .fetch_all(self.lookups())
+            .await?;
+        let facts = rows.iter().map(|row| {
+            Ok(JobFacts {
+                id: row.job.unwrap_or_default(),
+                owner: row.owner,
+                project: row.project()?,
+            })
+        });
+        facts.collect()
     }
 
     /// Whose every project is.
@@ -406,7 +388,7 @@ impl Store {
             return Ok(known);
         }
         let rows: Vec<FactsRow> = query_as(
-            "SELECT NULL AS owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
+            "SELECT NULL AS job, NULL AS owner, p.id AS project, p.person, p.team, p.visibility, p.archived_at,
                     (SELECT json_group_array(hex(team)) FROM members m WHERE m.person = p.person) AS circle
              FROM projects p WHERE p.deleted_at IS NULL ORDER BY p.id",
         )

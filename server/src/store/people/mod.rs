@@ -39,5 +39,6 @@ pub(super) use projects::takes_no_jobs;
 pub use remembered::{AccessState, Versions};
 pub use retention::ANNOUNCED;
 pub use sessions::NewSession;
+pub use shares::ShareFilter;
 pub(super) use webhook_key::WEBHOOK_KEY;
 pub use webhooks::Channel;

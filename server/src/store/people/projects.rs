@@ -126,10 +126,12 @@ impl Store {
                 if let Some(group) = changes.group {
                     change.check_group("/group", group).await?;
                 }
+                let owner = before.person.map(|of| of.id);
                 let (person, group) = match (changes.person, changes.group) {
-                    (None, None) => (before.person.map(|of| of.id), before.group.map(|of| of.id)),
+                    (None, None) => (owner, before.group.map(|of| of.id)),
                     given => given,
                 };
+                let is_given = changes.person.is_some() && person != owner;
                 let visibility = changes.visibility.unwrap_or(before.visibility);
                 check_visibility(group, visibility)?;
                 let archived_at = match changes.archived {
@@ -139,13 +141,14 @@ impl Store {
                 };
                 query(
                     "UPDATE projects SET name = ?, visibility = ?, person = ?, team = ?,
-                        archived_at = ? WHERE id = ?",
+                        archived_at = ?, is_received = is_received OR ? WHERE id = ?",
                 )
                 .bind(name.unwrap_or(before.name))
                 .bind(wire_name(&visibility)?)
                 .bind(person)
                 .bind(group)
                 .bind(archived_at)
+                .bind(is_given)
                 .bind(id)
                 .execute(&mut change.connection)
                 .await?;
@@ -169,15 +172,15 @@ impl Store {
         .await
     }
 
-    /// The project that jobs of a person go to unless told otherwise: the oldest of their own that is
-    /// not archived.
+    /// The project that jobs of a person go to unless told otherwise: the oldest of their own making that
+    /// is not archived. One that was given to them may be seen by whom its giver chose.
     ///
     /// # Errors
-    /// [`StoreError::Conflict`] when all are archived.
+    /// [`StoreError::Conflict`] when there is none.
     pub async fn project_of(&self, person: Uuid) -> Result<Uuid> {
         let found = query_scalar(
             "SELECT id FROM projects WHERE person = ? AND archived_at IS NULL AND deleted_at IS NULL
-             ORDER BY created_at, id LIMIT 1",
+                AND NOT is_received ORDER BY created_at, id LIMIT 1",
         )
         .bind(person)
         .fetch_optional(self.lookups())
@@ -186,9 +189,9 @@ impl Store {
     }
 }
 
-/// A person whose projects are all archived.
+/// A person without a project of their own making, or whose are all archived.
 pub(in crate::store) fn takes_no_jobs() -> StoreError {
-    let sentence = "you have no project that takes jobs; make one, bring one back, or name one";
+    let sentence = "you have no project of your own making that takes jobs; make one, bring one back, or name one";
     StoreError::Conflict(sentence.to_owned())
 }
 

@@ -1,17 +1,20 @@
 //! Links that show one job, one project or one comparison to whoever has them.
-use loadframe_api::Timestamp;
-use loadframe_api::people::{Named, NewShare, ShareMade, ShareView};
+use loadframe_api::people::{Named, NewShare, Scope, ShareMade, ShareView};
+use loadframe_api::{Page, Timestamp};
 use uuid::Uuid;
 
 use super::super::Store;
 use super::super::database::{query, query_as, row};
 use super::super::error::{Result, StoreError};
+use super::callers::ids;
 use super::invitations::DAY;
 use super::secret::Secret;
-use crate::access::Sight;
+use crate::access::{Action, Caller, Credential, Identity, Link, Object, Verdict, may};
 
 /// What the secret of a link begins with.
 pub(super) const PREFIX: &str = "lfs_";
+/// Links on a page.
+const LONGEST_PAGE: u32 = 1000;
 
 row! {
     struct ShareRow {
@@ -27,10 +30,55 @@ row! {
         revoked_at: Option<i64>,
         uses: i64,
         last_used_at: Option<i64>,
-        /// Of its job, for who may see the link.
-        owner: Option<Uuid>,
-        job_project: Option<Uuid>,
     }
+}
+
+row! {
+    /// A link in force, as far as time goes.
+    struct LinkRow {
+        id: Uuid,
+        job: Option<Uuid>,
+        project: Option<Uuid>,
+        comparison: Option<Uuid>,
+        shows_files: bool,
+        person: Uuid,
+        expires_at: i64,
+        compared: String,
+    }
+}
+
+/// Which links to list.
+#[derive(Clone, Debug, Default)]
+pub struct ShareFilter {
+    pub job: Option<Uuid>,
+    pub comparison: Option<Uuid>,
+    /// `next` of the page before.
+    pub cursor: Option<String>,
+    pub limit: u32,
+}
+
+/// The projects that person ?1 holds.
+macro_rules! held {
+    () => {
+        "(SELECT r.id FROM projects r WHERE r.person = ?1 OR r.team IN (SELECT m.team FROM members m
+            JOIN people h ON h.id = m.person WHERE m.person = ?1 AND h.role <> 'guest'))"
+    };
+}
+
+/// Whether person ?1 may take back the link `s`: they made it, or hold what it shows, or (?2) administer.
+macro_rules! is_theirs {
+    () => {
+        concat!(
+            "(?2 OR s.person = ?1 OR s.project IN ",
+            held!(),
+            " OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = s.job AND (j.owner = ?1 OR j.project IN ",
+            held!(),
+            ")) OR EXISTS (SELECT 1 FROM comparisons c WHERE c.id = s.comparison
+                AND (c.owner = ?1 OR c.project IN ",
+            held!(),
+            ")))"
+        )
+    };
 }
 
 impl ShareRow {
@@ -104,57 +152,65 @@ impl Store {
         })
     }
 
-    /// Links to what `sight` shows and this person could take back: their own, or all for
-    /// administrators; the newest first.
+    /// A page of the links that this person may take back: their own and those to what they hold, or all for
+    /// administrators; the newest first. `cursor` is the `next` of the page before.
     ///
     /// # Errors
-    /// The database's.
+    /// [`StoreError::Invalid`] for a cursor that was never given out.
     pub async fn shares(
         &self,
         person: Uuid,
-        sight: &Sight,
-        job: Option<Uuid>,
-        comparison: Option<Uuid>,
-    ) -> Result<Vec<ShareView>> {
-        let rows: Vec<ShareRow> = query_as(
+        is_administrator: bool,
+        filter: &ShareFilter,
+    ) -> Result<Page<ShareView>> {
+        let limit = filter.limit.clamp(1, LONGEST_PAGE);
+        let before = filter.cursor.as_deref();
+        let before = before.map(|text| place(text).ok_or_else(no_cursor));
+        let (at, id) = before.transpose()?.unwrap_or((i64::MAX, Uuid::max()));
+        let mut rows: Vec<ShareRow> = query_as(concat!(
             "SELECT s.id, s.job, s.project, s.comparison, s.shows_files, s.person, p.name AS person_name,
-                    s.created_at, s.expires_at, s.revoked_at, s.uses, s.last_used_at, j.owner,
-                    j.project AS job_project
-             FROM shares s JOIN people p ON p.id = s.person LEFT JOIN jobs j ON j.id = s.job
-             WHERE (?1 IS NULL OR s.job = ?1) AND (?2 IS NULL OR s.comparison = ?2)
-             ORDER BY s.created_at DESC, s.id LIMIT 1000",
-        )
-        .bind(job)
-        .bind(comparison)
+                    s.created_at, s.expires_at, s.revoked_at, s.uses, s.last_used_at
+             FROM shares s JOIN people p ON p.id = s.person
+             WHERE (?3 IS NULL OR s.job = ?3) AND (?4 IS NULL OR s.comparison = ?4)
+               AND (s.created_at, s.id) < (?5, ?6) AND ",
+            is_theirs!(),
+            " ORDER BY s.created_at DESC, s.id DESC LIMIT ?7",
+        ))
+        .bind(person)
+        .bind(is_administrator)
+        .bind(filter.job)
+        .bind(filter.comparison)
+        .bind(at)
+        .bind(id)
+        .bind(limit + 1)
         .fetch_all(self.reads())
         .await?;
-        let is_theirs = |row: &ShareRow| {
-            let is_job = row
-                .job
-                .is_some_and(|id| sight.shows(id, row.owner, row.job_project));
-            row.person == person || (sight.everything) || (row.owner == Some(person) && is_job)
-        };
-        let rows = rows.into_iter().filter(is_theirs);
-        Ok(rows.map(ShareRow::view).collect())
+        let is_last = rows.len() <= limit as usize;
+        rows.truncate(limit as usize);
+        let next = rows.last().filter(|_| !is_last);
+        Ok(Page {
+            next: next.map(|row| format!("{}-{}", row.created_at, row.id.simple())),
+            ..Page::whole(rows.into_iter().map(ShareRow::view).collect())
+        })
     }
 
-    /// Takes a link back: the person's own, one to a job of theirs, or any for administrators.
+    /// Takes a link back: the person's own, one to what they hold, or any for administrators.
     ///
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn revoke_share(&self, person: Uuid, is_administrator: bool, id: Uuid) -> Result<()> {
         self.write(move |change| {
             Box::pin(async move {
-                let revoked: Option<(Option<Uuid>,)> = query_as(
-                    "UPDATE shares SET revoked_at = COALESCE(revoked_at, ?1)
-                     WHERE id = ?2 AND (?3 OR person = ?4
-                        OR EXISTS (SELECT 1 FROM jobs j WHERE j.id = shares.job AND j.owner = ?4))
-                     RETURNING COALESCE(job, project, comparison)",
-                )
-                .bind(change.now.as_millis())
-                .bind(id)
-                .bind(is_administrator)
+                let revoked: Option<(Option<Uuid>,)> = query_as(concat!(
+                    "UPDATE shares SET revoked_at = COALESCE(revoked_at, ?4)
+                     WHERE id IN (SELECT s.id FROM shares s WHERE s.id = ?3 AND ",
+                    is_theirs!(),
+                    ") RETURNING COALESCE(job, project, comparison)",
+                ))
                 .bind(person)
+                .bind(is_administrator)
+                .bind(id)
+                .bind(change.now.as_millis())
                 .fetch_optional(&mut change.connection)
                 .await?;
                 let missing = || StoreError::NotFound(format!("share link {id}"));
@@ -164,6 +220,73 @@ impl Store {
             })
         })
         .await
+    }
+
+    /// Who has the link with this secret or id: it shows what it was made for as long as who made it may
+    /// change that.
+    pub(super) async fn link_caller(
+        &self,
+        sha256: Option<&str>,
+        id: Option<Uuid>,
+    ) -> Result<Option<Caller>> {
+        let row: Option<LinkRow> = query_as(
+            "SELECT s.id, s.job, s.project, s.comparison, s.shows_files, s.person, s.expires_at,
+                    (SELECT json_group_array(hex(job)) FROM comparison_jobs n
+                     WHERE n.comparison = s.comparison) AS compared
+             FROM shares s
+             WHERE (s.secret_sha256 = ?1 OR s.id = ?2) AND s.revoked_at IS NULL AND s.expires_at > ?3",
+        )
+        .bind(sha256)
+        .bind(id)
+        .bind(self.now().as_millis())
+        .fetch_optional(self.lookups())
+        .await?;
+        let Some(row) = row else { return Ok(None) };
+        let compared = ids(&row.compared)?;
+        if !self.could_be_made(&row, &compared).await? {
+            return Ok(None);
+        }
+        Ok(Some(Caller {
+            identity: Identity::Link(Link {
+                job: row.job,
+                project: row.project,
+                comparison: row.comparison,
+                compared,
+                shows_files: row.shows_files,
+            }),
+            scope: Scope::Read,
+            credential: Credential::Link(row.id),
+            expires_at: Some(Timestamp(row.expires_at)),
+        }))
+    }
+
+    /// Whether who made the link could make it now: what it shows is there, and theirs to change.
+    async fn could_be_made(&self, link: &LinkRow, compared: &[Uuid]) -> Result<bool> {
+        let maker = self.person_caller(link.person, Credential::Proxy(link.person));
+        let Some(maker) = maker.await? else {
+            return Ok(false);
+        };
+        let may_share = |object: Object| may(&maker, Action::Change, object) == Verdict::Yes;
+        if let Some(job) = link.job {
+            let facts = self.facts_of_jobs(&[job]).await?;
+            return Ok(facts.iter().any(|of| may_share(Object::Job(of))));
+        }
+        let projects = self.project_facts().await?;
+        if let Some(project) = link.project {
+            let of = projects.iter().find(|of| of.id == project);
+            return Ok(of.is_some_and(|of| may_share(Object::Project(of))));
+        }
+        let Some(comparison) = link.comparison else {
+            return Ok(false);
+        };
+        match self.comparison_facts(comparison, &projects).await {
+            Ok(of) if may_share(Object::Comparison(&of)) => {}
+            Ok(_) | Err(StoreError::NotFound(_)) => return Ok(false),
+            Err(error) => return Err(error),
+        }
+        // of a comparison every job; one that is deleted shows nothing to anybody
+        let jobs = self.facts_of_jobs(compared).await?;
+        Ok(jobs.iter().all(|of| may_share(Object::Job(of))))
     }
 
     /// Counts a visit through a link.
@@ -190,4 +313,13 @@ impl Store {
         })
         .await
     }
+}
+
+fn no_cursor() -> StoreError {
+    StoreError::Invalid("the cursor is not one that a page gave as `next`".to_owned())
+}
+
+fn place(cursor: &str) -> Option<(i64, Uuid)> {
+    let (at, id) = cursor.split_once('-')?;
+    Some((at.parse().ok()?, Uuid::try_parse(id).ok()?))
 }

@@ -199,7 +199,7 @@ async fn a_job_where_all_of_ones_projects_are_archived() {
         answer.problem(409, "conflict");
         assert_eq!(
             sentence(&answer),
-            "you have no project that takes jobs; make one, bring one back, or name one"
+            "you have no project of your own making that takes jobs; make one, bring one back, or name one"
         );
     }
     let listed = group.get(&group.anna, "/v1/jobs").await.json();
