@@ -219,6 +219,49 @@ fn no_line_is_dropped_without_a_word() {
 }
 
 #[test]
+fn a_second_table_is_refused_whatever_stands_beside_its_numbers() {
+    for (table, line) in [
+        ("Strain;Load (N)\n0.1;0.2\n0.2;0.4\n", "line 2"),
+        // a column of words, an empty one, both
+        ("Strain;Load (N);Status\n0.1;0.2;ok\n0.2;0.4;ok\n", "line 2"),
+        ("Strain;;Load (N)\n0.1;;0.2\n0.2;;0.4\n", "line 2"),
+        ("Event;Strain;Load (N)\nstart;0.1;0.2\n;0.2;0.4\n", "line 2"),
+        ("Event;;Strain;Load (N)\n;;0.1;0.2\n;;0.2;0.4\n", "line 2"),
+        // a word before each number passes for a label, but the names come again
+        (
+            "A;Strain;B;Load (N)\nok;0.1;ok;0.2\nok;0.2;ok;0.4\n",
+            "line 2",
+        ),
+        // of one point
+        ("Strain;Load (N);Status\n0.1;0.2;ok\n", "line 2"),
+    ] {
+        let refusal = refusal(&format!("{table}{table}"));
+        let words = (refusal.place, refusal.code);
+        assert_eq!(words, (Place::Text, "ambiguous"), "{refusal:?} of {table}");
+        assert!(refusal.detail.contains(line), "{refusal:?} of {table}");
+    }
+    // one of other columns
+    let results = "No;Name;Fmax (N);E (MPa)\n1;A;12.3;3000\nStrain;Load (N)\n0.1;0.23\n";
+    assert!(refusal(results).detail.contains("line 2"));
+}
+
+#[test]
+fn what_a_machine_says_of_the_specimen_is_no_table() {
+    for line in [
+        "Width;15;Thickness;0.1",
+        "Width;15;mm;Thickness;0.1;mm\nLength;100;mm;Speed;10;mm/min",
+        "Operator;A. Smith\nWidth;15;Thickness;0.1\nLength;100;Span;50",
+        "Date;12.03.2024;10:23:11\nPrüfgeschwindigkeit;20;mm/min",
+        "Range;0;500;N",
+        "Standard;ISO 1924-2;2008\nSpecimen;7",
+        "23;°C",
+        "Strain;Load (N)",
+    ] {
+        assert_two(&format!("{line}\nStrain;Load (N)\n0.1;0.23\n0.2;0.52\n"));
+    }
+}
+
+#[test]
 fn columns_that_may_be_several_or_none_are_refused() {
     for (text, place) in [
         (
