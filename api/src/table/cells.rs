@@ -40,6 +40,8 @@ pub(super) struct Sheet {
     pub(super) lines: Vec<Line>,
     separator: Separator,
     decimal: DecimalMark,
+    /// Whether the user or a cell of the table tells the mark; without, all its numbers are whole.
+    is_mark_told: bool,
     /// Whether thousands are parted by the other mark somewhere.
     has_groups: bool,
 }
@@ -89,11 +91,12 @@ impl Sheet {
             let detail = "no line of the text has two numbers";
             return Err(no_points(detail));
         };
-        let (decimal, has_groups) = mark(&lines, separator, decimal)?;
+        let (told, has_groups) = mark(&lines, separator, decimal)?;
         Ok(Self {
             lines,
             separator,
-            decimal,
+            decimal: told.unwrap_or(DecimalMark::Point),
+            is_mark_told: told.is_some(),
             has_groups,
         })
     }
@@ -118,6 +121,19 @@ impl Sheet {
 
     pub(super) fn parse(&self, cell: &str) -> Option<f64> {
         parse(cell, self.decimal)
+    }
+
+    /// The number of a cell above the table, by its own mark where the table tells none.
+    ///
+    /// # Errors
+    /// When it can be read in two ways.
+    pub(super) fn number_above(&self, line: &Line, cell: &str) -> Result<Option<f64>, Refusal> {
+        let decimal = match evidence(cell) {
+            Evidence::For(mark) if !self.is_mark_told => mark,
+            Evidence::Either if !self.is_mark_told => return Err(either(line.number, cell)),
+            _ => self.decimal,
+        };
+        Ok(parse(cell, decimal))
     }
 
     /// How it is parted, in words.
@@ -193,19 +209,19 @@ fn part(text: &str, separator: Separator, skipped: u64) -> Result<Vec<Line>, Ref
     Ok(lines)
 }
 
-/// The mark of decimals, and whether the other one parts thousands.
+/// The mark of decimals, where something tells it, and whether the other one parts thousands.
 fn mark(
     lines: &[Line],
     separator: Separator,
     given: Option<DecimalMark>,
-) -> Result<(DecimalMark, bool), Refusal> {
+) -> Result<(Option<DecimalMark>, bool), Refusal> {
     let cells = || {
         let lines = lines.iter().filter(|line| line.numbers() > 1);
         lines.flat_map(|line| line.cells.iter().map(move |cell| (line.number, cell)))
     };
     let first = |wanted: Evidence| cells().find(|(_, cell)| evidence(cell) == wanted);
-    let decimal = match given {
-        Some(decimal) => decimal,
+    let told = match given {
+        Some(decimal) => Some(decimal),
         None => {
             let point = first(Evidence::For(DecimalMark::Point));
             let comma = first(Evidence::For(DecimalMark::Comma));
@@ -218,31 +234,39 @@ fn mark(
                     );
                     return Err(open_mark(detail, comma));
                 }
-                (None, Some(_), _) => DecimalMark::Comma,
+                (Some(_), None, _) => Some(DecimalMark::Point),
+                (None, Some(_), _) => Some(DecimalMark::Comma),
                 (None, None, Some((line, cell))) if !is_plain(cells(), separator) => {
-                    let bare: String = cell.chars().filter(|c| !matches!(c, '.' | ',')).collect();
-                    let detail = format!(
-                        "{cell:?} in line {line} is {} or {bare}, and no other cell tells which",
-                        cell.replace(',', ".")
-                    );
-                    return Err(open_mark(detail, cell));
+                    return Err(either(line, cell));
                 }
-                _ => DecimalMark::Point,
+                (None, None, Some(_)) => Some(DecimalMark::Point),
+                (None, None, None) => None,
             }
         }
     };
+    let decimal = told.unwrap_or(DecimalMark::Point);
     let other = match decimal {
         DecimalMark::Point => DecimalMark::Comma,
         DecimalMark::Comma => DecimalMark::Point,
     };
     let has_groups =
         cells().any(|(_, cell)| cell.contains(other.character()) && parse(cell, decimal).is_some());
-    Ok((decimal, has_groups))
+    Ok((told, has_groups))
 }
 
 /// Whether only points can be decimals: commas part the cells, and none stands within one.
 fn is_plain<'a>(mut cells: impl Iterator<Item = (u64, &'a String)>, separator: Separator) -> bool {
     separator == Separator::Mark(b',') && !cells.any(|(_, cell)| cell.contains(','))
+}
+
+/// A cell that is one number with the one mark and another with the other.
+fn either(line: u64, cell: &str) -> Refusal {
+    let bare: String = cell.chars().filter(|c| !matches!(c, '.' | ',')).collect();
+    let detail = format!(
+        "{cell:?} in line {line} is {} or {bare}, and no other cell tells which",
+        cell.replace(',', ".")
+    );
+    open_mark(detail, cell)
 }
 
 fn open_mark(detail: String, cell: &str) -> Refusal {

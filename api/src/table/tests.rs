@@ -157,6 +157,55 @@ fn extensions_become_strains_by_the_gauge_length() {
 }
 
 #[test]
+fn of_several_gauge_lengths_none_is_taken() {
+    let curve = "Extension (mm),Load (N)\n2,0.23\n4,0.52\n";
+    let [grips, gauge] = ["Grip separation,40,mm\n", "Gauge length,20,mm\n"];
+    for lines in [format!("{grips}{gauge}"), format!("{gauge}{grips}")] {
+        let open = refusal(&format!("{lines}{curve}"));
+        let words = (open.place, open.code);
+        assert_eq!(words, (Place::GaugeLength, "ambiguous"), "{open:?}");
+        let named = ["line 1", "line 2", "20 mm", "40 mm"];
+        assert!(named.iter().all(|n| open.detail.contains(n)), "{open:?}");
+        // the user's decides: 2 mm over 20 mm
+        let hints = Hints {
+            gauge_length_mm: Some(20.0),
+            ..Hints::default()
+        };
+        assert_eq!(read_with(&format!("{lines}{curve}"), hints).points, TWO);
+        // and none is asked for where the strain stands in the table
+        assert_two(&format!("{lines}Strain,Load (N)\n0.1,0.23\n0.2,0.52\n"));
+    }
+    // the same one twice, in other units
+    assert_two(&format!("{gauge}Grip separation,2,cm\n{curve}"));
+}
+
+#[test]
+fn a_gauge_length_tells_its_decimals_where_the_table_is_of_whole_numbers() {
+    let whole = |length: &str| format!("Messlänge;{length};mm\nWeg [µm];Kraft [mN]\n2000;230\n");
+    let open = refusal(&whole("20,000"));
+    assert_eq!((open.place, open.code), (Place::Decimal, "ambiguous"));
+    assert!(open.detail.contains("line 1"), "{open:?}");
+    let hints = |decimal| Hints {
+        decimal: Some(decimal),
+        ..Hints::default()
+    };
+    // 2 mm over 20 mm, and over 20 m
+    let text = whole("20,000");
+    let strain = |reading: Reading| reading.points[0][0];
+    for (decimal, expected) in [(DecimalMark::Comma, 0.1), (DecimalMark::Point, 1e-4)] {
+        let found = strain(read_with(&text, hints(decimal)));
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found}");
+    }
+    for length in ["20", "20,0", "20.0", "020,000"] {
+        let found = points(&whole(length));
+        assert!((found[0][0] - 0.1).abs() < 1e-12, "{found:?} from {length}");
+    }
+    // the table's mark goes before: 20 m
+    let found = points("Messlänge;20,000;mm\nWeg [mm];Kraft [N]\n2.0;0.23\n");
+    assert!((found[0][0] - 1e-4).abs() < 1e-15, "{found:?}");
+}
+
+#[test]
 fn numbers_that_can_be_read_in_two_ways_are_refused_unless_others_tell() {
     let open = refusal("Strain (%);Load (N)\n10;1,027\n20;2,500\n");
     assert_eq!((open.place, open.code), (Place::Decimal, "ambiguous"));
