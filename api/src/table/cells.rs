@@ -1,4 +1,6 @@
 //! Cells of a text: what parts them, and the mark of their decimals.
+use std::ops::Range;
+
 use super::{
     Place, Refusal,
     number::{DecimalMark, Evidence, evidence, is_number, parse},
@@ -32,6 +34,14 @@ pub(super) struct Line {
     pub(super) number: u64,
     /// Without quotes, spaces around them, and empty cells at the end.
     pub(super) cells: Vec<String>,
+}
+
+/// A text parted by one separator.
+#[derive(Debug)]
+struct Parted {
+    lines: Vec<Line>,
+    /// The first and last of the first lines that a quote makes one of, where that hides numbers.
+    merged: Option<[u64; 2]>,
 }
 
 /// A text in cells.
@@ -72,9 +82,10 @@ impl Sheet {
             Some(separator) => vec![separator],
             None => SEPARATORS.to_vec(),
         };
-        let mut best: Option<(Score, Separator, Vec<Line>)> = None;
+        let mut best: Option<(Score, Separator, Parted)> = None;
         for separator in tried {
-            let lines = part(text, separator, first)?;
+            let parted_text = part(text, separator, first)?;
+            let lines = &parted_text.lines;
             let whole = lines.iter().filter(|line| line.is_all_numbers()).count();
             let some = lines.iter().filter(|line| line.numbers() > 1).count();
             let parted = match separator {
@@ -84,13 +95,21 @@ impl Sheet {
             };
             let score = (whole, some, parted);
             if best.as_ref().is_none_or(|(other, ..)| score > *other) {
-                best = Some((score, separator, lines));
+                best = Some((score, separator, parted_text));
             }
         }
-        let Some(((_, 1.., _), separator, lines)) = best else {
+        let Some(((_, 1.., _), separator, Parted { lines, merged })) = best else {
             let detail = "no line of the text has two numbers";
             return Err(no_points(detail));
         };
+        if let Some([first, last]) = merged {
+            let detail = format!(
+                "a quote in line {first} makes one cell of the lines up to {last}, with numbers among \
+                 them"
+            );
+            let allowed = "quotes that end in their line; take out the one that does not";
+            return Err(Refusal::new(Place::Text, "syntax", detail, allowed));
+        }
         let (told, has_groups) = mark(&lines, separator, decimal)?;
         Ok(Self {
             lines,
@@ -173,7 +192,7 @@ fn named_separator(text: &str) -> (u64, Option<Separator>) {
     }
 }
 
-fn part(text: &str, separator: Separator, skipped: u64) -> Result<Vec<Line>, Refusal> {
+fn part(text: &str, separator: Separator, skipped: u64) -> Result<Parted, Refusal> {
     let tidy = |cells: &mut Vec<String>| {
         while cells.last().is_some_and(String::is_empty) {
             cells.pop();
@@ -186,6 +205,7 @@ fn part(text: &str, separator: Separator, skipped: u64) -> Result<Vec<Line>, Ref
             lines.push(Line { number, cells });
         }
     };
+    let mut merged = None;
     match separator {
         Separator::Space => {
             for (number, line) in (1..).zip(text.lines()) {
@@ -199,14 +219,42 @@ fn part(text: &str, separator: Separator, skipped: u64) -> Result<Vec<Line>, Ref
                 .has_headers(false)
                 .trim(csv::Trim::All)
                 .from_reader(text.as_bytes());
-            for record in reader.records() {
-                let record = record.map_err(|error| no_points(&error.to_string()))?;
-                let number = record.position().map_or(0, csv::Position::line);
+            let mut record = csv::StringRecord::new();
+            while reader
+                .read_record(&mut record)
+                .map_err(|error| no_points(&error.to_string()))?
+            {
+                let from = record.position();
+                let number = from.map_or(0, csv::Position::line);
+                // titles and remarks may span lines, numbers within them were points
+                if merged.is_none() && record.iter().any(|cell| cell.contains('\n')) {
+                    let to = reader.position().byte();
+                    merged = hidden(text, from.map_or(0, csv::Position::byte)..to, mark);
+                }
                 push(number, record.iter().map(str::to_owned).collect());
             }
         }
     }
-    Ok(lines)
+    Ok(Parted { lines, merged })
+}
+
+/// The first and last line of a record, given by its bytes, where a line after its first has two
+/// numbers.
+fn hidden(text: &str, record: Range<u64>, mark: u8) -> Option<[u64; 2]> {
+    let [start, end] = [record.start, record.end].map(|at| usize::try_from(at).ok());
+    let (start, end) = (start?, end?);
+    let whole = text.get(start..end)?;
+    // empty lines before a record count as its own
+    let own = whole.trim_start_matches('\n');
+    let before = &text[..start + whole.len() - own.len()];
+    let first = 1 + before.bytes().filter(|byte| *byte == b'\n').count() as u64;
+    let numbers = |line: &str| {
+        let cells = line.split(char::from(mark));
+        let bare = cells.map(|cell| cell.trim_matches(['"', ' ']));
+        bare.filter(|cell| is_number(cell)).count()
+    };
+    let is_point = own.lines().skip(1).any(|line| numbers(line) > 1);
+    is_point.then(|| [first, first + own.trim_end().lines().count() as u64 - 1])
 }
 
 /// The mark of decimals, where something tells it, and whether the other one parts thousands.

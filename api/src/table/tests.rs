@@ -268,6 +268,42 @@ fn no_line_is_dropped_without_a_word() {
 }
 
 #[test]
+fn a_quote_that_hides_points_is_refused_and_one_that_does_not_is_read() {
+    for (text, lines) in [
+        // up to the next quote, which stands lines below, in the next line, or nowhere
+        (
+            "Strain;Load (N);Remark\n0.1;0.2;x\n0.2;0.4;\"start\n0.3;0.6;x\n0.4;0.8;end\"\n0.5;1;x\n",
+            ["line 3", "up to 5"],
+        ),
+        (
+            "Strain;Load (N);Remark\n0.1;0.2;\"start\n0.2;0.4;end\"\n",
+            ["line 2", "up to 3"],
+        ),
+        (
+            "Operator\n\nStrain;Load (N);Remark\n0.1;0.2;x\n\n0.2;0.4;\"a\n0.3;0.6;x\n",
+            ["line 6", "up to 7"],
+        ),
+        (
+            "\"Strain\",\"Load (N)\",\"Remark\"\n\"0.1\",\"0.2\",\"a\n\"0.2\",\"0.4\",\"b\"\n",
+            ["line 2", "up to 3"],
+        ),
+    ] {
+        let refusal = refusal(text);
+        assert_eq!(refusal.code, "syntax", "{refusal:?} of {text}");
+        let all = lines.iter().all(|line| refusal.detail.contains(line));
+        assert!(all, "{refusal:?} of {text}");
+    }
+    // titles and remarks of several lines, as spreadsheets write them
+    for text in [
+        "Notes;\"conditioned\nat 23 °C\"\nStrain;\"Load\n(N)\"\n0.1;0.23\n0.2;0.52\n",
+        "Strain;Load (N);Remark\n0.1;0.23;\"slips\nin the jaw\"\n0.2;0.52;\n",
+        "Strain;Load (N);Remark\n0.1;0.23;5\" jaws\n0.2;0.52;5\" jaws\n",
+    ] {
+        assert_two(text);
+    }
+}
+
+#[test]
 fn a_second_table_is_refused_whatever_stands_beside_its_numbers() {
     for (table, line) in [
         ("Strain;Load (N)\n0.1;0.2\n0.2;0.4\n", "line 2"),
