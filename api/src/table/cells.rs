@@ -155,6 +155,10 @@ impl Sheet {
         Ok(parse(cell, decimal))
     }
 
+    pub(super) fn is_parted_by_spaces(&self) -> bool {
+        self.separator == Separator::Space
+    }
+
     /// How it is parted, in words.
     pub(super) fn words(&self) -> String {
         let parted = match self.separator {

@@ -33,7 +33,8 @@ pub(super) struct Header {
 
 impl Header {
     /// # Errors
-    /// When numbers stand above the names, or there are more of them than names.
+    /// When numbers stand above the names, or there are more of them than names, or, between spaces,
+    /// fewer.
     pub(super) fn find(sheet: &Sheet) -> Result<Self, Refusal> {
         let lines = &sheet.lines;
         let last = lines.iter().rposition(|line| line.numbers() > 1);
@@ -59,7 +60,7 @@ impl Header {
             }
             Some(at) => Self::over(lines, at, None),
         };
-        header.check(lines)?;
+        header.check(sheet)?;
         Ok(header)
     }
 
@@ -89,7 +90,8 @@ impl Header {
         }
     }
 
-    fn check(&self, lines: &[Line]) -> Result<(), Refusal> {
+    fn check(&self, sheet: &Sheet) -> Result<(), Refusal> {
+        let lines = &sheet.lines;
         if let Some(early) = earlier_table(lines, self.above) {
             let detail = format!(
                 "line {} holds numbers above the names in line {}: one table at a time",
@@ -102,6 +104,21 @@ impl Header {
             0 => lines[0].cells.len(),
             width => width,
         };
+        // no cell is empty between spaces: the names are fewer than the words
+        let narrow = lines[self.first..]
+            .iter()
+            .find(|line| sheet.is_parted_by_spaces() && line.cells.len() < self.columns.len());
+        if let Some(narrow) = narrow {
+            let detail = format!(
+                "line {} has {width} words between spaces, line {} only {} cells: which words are one \
+                 name?",
+                self.line,
+                narrow.number,
+                narrow.cells.len()
+            );
+            let allowed = "names of one word, or tabs or semicolons between the cells";
+            return Err(Refusal::new(Place::Text, "ambiguous", detail, allowed));
+        }
         let Some(wide) = lines[self.first..]
             .iter()
             .find(|line| line.cells.len() > width)

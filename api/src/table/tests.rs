@@ -304,6 +304,21 @@ fn a_quote_that_hides_points_is_refused_and_one_that_does_not_is_read() {
 }
 
 #[test]
+fn names_of_two_words_between_spaces_are_refused() {
+    let two_words = refusal("Test time   Strain   Load   Width\n0 0.1 0.23 15\n1 0.2 0.52 15\n");
+    assert_eq!(
+        (two_words.place, two_words.code),
+        (Place::Text, "ambiguous")
+    );
+    let named = ["line 1", "5 words", "line 2", "4"];
+    let all = named.iter().all(|part| two_words.detail.contains(part));
+    assert!(all, "{two_words:?}");
+    // one word a name, or a mark between names of two
+    assert_two("Time   Strain   Load/N   Width\n0 0.1 0.23 15\n1 0.2 0.52 15\n");
+    assert_two("Test time;Strain;Load (N);Width\n0;0.1;0.23;15\n1;0.2;0.52;15\n");
+}
+
+#[test]
 fn a_second_table_is_refused_whatever_stands_beside_its_numbers() {
     for (table, line) in [
         ("Strain;Load (N)\n0.1;0.2\n0.2;0.4\n", "line 2"),
