@@ -1,4 +1,6 @@
 //! Cells of a text: what parts them, and the mark of their decimals.
+use std::ops::Range;
+
 use super::{
     Place, Refusal,
     number::{DecimalMark, Evidence, evidence, is_number, parse},
@@ -34,12 +36,22 @@ pub(super) struct Line {
     pub(super) cells: Vec<String>,
 }
 
+/// A text parted by one separator.
+#[derive(Debug)]
+struct Parted {
+    lines: Vec<Line>,
+    /// The first and last of the first lines that a quote makes one of, where that hides numbers.
+    merged: Option<[u64; 2]>,
+}
+
 /// A text in cells.
 #[derive(Clone, Debug)]
 pub(super) struct Sheet {
     pub(super) lines: Vec<Line>,
     separator: Separator,
     decimal: DecimalMark,
+    /// Whether the user or a cell of the table tells the mark; without, all its numbers are whole.
+    is_mark_told: bool,
     /// Whether thousands are parted by the other mark somewhere.
     has_groups: bool,
 }
@@ -70,9 +82,10 @@ impl Sheet {
             Some(separator) => vec![separator],
             None => SEPARATORS.to_vec(),
         };
-        let mut best: Option<(Score, Separator, Vec<Line>)> = None;
+        let mut best: Option<(Score, Separator, Parted)> = None;
         for separator in tried {
-            let lines = part(text, separator, first)?;
+            let parted_text = part(text, separator, first)?;
+            let lines = &parted_text.lines;
             let whole = lines.iter().filter(|line| line.is_all_numbers()).count();
             let some = lines.iter().filter(|line| line.numbers() > 1).count();
             let parted = match separator {
@@ -82,18 +95,27 @@ impl Sheet {
             };
             let score = (whole, some, parted);
             if best.as_ref().is_none_or(|(other, ..)| score > *other) {
-                best = Some((score, separator, lines));
+                best = Some((score, separator, parted_text));
             }
         }
-        let Some(((_, 1.., _), separator, lines)) = best else {
+        let Some(((_, 1.., _), separator, Parted { lines, merged })) = best else {
             let detail = "no line of the text has two numbers";
             return Err(no_points(detail));
         };
-        let (decimal, has_groups) = mark(&lines, separator, decimal)?;
+        if let Some([first, last]) = merged {
+            let detail = format!(
+                "a quote in line {first} makes one cell of the lines up to {last}, with numbers among \
+                 them"
+            );
+            let allowed = "quotes that end in their line; take out the one that does not";
+            return Err(Refusal::new(Place::Text, "syntax", detail, allowed));
+        }
+        let (told, has_groups) = mark(&lines, separator, decimal)?;
         Ok(Self {
             lines,
             separator,
-            decimal,
+            decimal: told.unwrap_or(DecimalMark::Point),
+            is_mark_told: told.is_some(),
             has_groups,
         })
     }
@@ -118,6 +140,23 @@ impl Sheet {
 
     pub(super) fn parse(&self, cell: &str) -> Option<f64> {
         parse(cell, self.decimal)
+    }
+
+    /// The number of a cell above the table, by its own mark where the table tells none.
+    ///
+    /// # Errors
+    /// When it can be read in two ways.
+    pub(super) fn number_above(&self, line: &Line, cell: &str) -> Result<Option<f64>, Refusal> {
+        let decimal = match evidence(cell) {
+            Evidence::For(mark) if !self.is_mark_told => mark,
+            Evidence::Either if !self.is_mark_told => return Err(either(line.number, cell)),
+            _ => self.decimal,
+        };
+        Ok(parse(cell, decimal))
+    }
+
+    pub(super) fn is_parted_by_spaces(&self) -> bool {
+        self.separator == Separator::Space
     }
 
     /// How it is parted, in words.
@@ -157,7 +196,7 @@ fn named_separator(text: &str) -> (u64, Option<Separator>) {
     }
 }
 
-fn part(text: &str, separator: Separator, skipped: u64) -> Result<Vec<Line>, Refusal> {
+fn part(text: &str, separator: Separator, skipped: u64) -> Result<Parted, Refusal> {
     let tidy = |cells: &mut Vec<String>| {
         while cells.last().is_some_and(String::is_empty) {
             cells.pop();
@@ -170,6 +209,7 @@ fn part(text: &str, separator: Separator, skipped: u64) -> Result<Vec<Line>, Ref
             lines.push(Line { number, cells });
         }
     };
+    let mut merged = None;
     match separator {
         Separator::Space => {
             for (number, line) in (1..).zip(text.lines()) {
@@ -183,29 +223,57 @@ fn part(text: &str, separator: Separator, skipped: u64) -> Result<Vec<Line>, Ref
                 .has_headers(false)
                 .trim(csv::Trim::All)
                 .from_reader(text.as_bytes());
-            for record in reader.records() {
-                let record = record.map_err(|error| no_points(&error.to_string()))?;
-                let number = record.position().map_or(0, csv::Position::line);
+            let mut record = csv::StringRecord::new();
+            while reader
+                .read_record(&mut record)
+                .map_err(|error| no_points(&error.to_string()))?
+            {
+                let from = record.position();
+                let number = from.map_or(0, csv::Position::line);
+                // titles and remarks may span lines, numbers within them were points
+                if merged.is_none() && record.iter().any(|cell| cell.contains('\n')) {
+                    let to = reader.position().byte();
+                    merged = hidden(text, from.map_or(0, csv::Position::byte)..to, mark);
+                }
                 push(number, record.iter().map(str::to_owned).collect());
             }
         }
     }
-    Ok(lines)
+    Ok(Parted { lines, merged })
 }
 
-/// The mark of decimals, and whether the other one parts thousands.
+/// The first and last line of a record, given by its bytes, where a line after its first has two
+/// numbers.
+fn hidden(text: &str, record: Range<u64>, mark: u8) -> Option<[u64; 2]> {
+    let [start, end] = [record.start, record.end].map(|at| usize::try_from(at).ok());
+    let (start, end) = (start?, end?);
+    let whole = text.get(start..end)?;
+    // empty lines before a record count as its own
+    let own = whole.trim_start_matches('\n');
+    let before = &text[..start + whole.len() - own.len()];
+    let first = 1 + before.bytes().filter(|byte| *byte == b'\n').count() as u64;
+    let numbers = |line: &str| {
+        let cells = line.split(char::from(mark));
+        let bare = cells.map(|cell| cell.trim_matches(['"', ' ']));
+        bare.filter(|cell| is_number(cell)).count()
+    };
+    let is_point = own.lines().skip(1).any(|line| numbers(line) > 1);
+    is_point.then(|| [first, first + own.trim_end().lines().count() as u64 - 1])
+}
+
+/// The mark of decimals, where something tells it, and whether the other one parts thousands.
 fn mark(
     lines: &[Line],
     separator: Separator,
     given: Option<DecimalMark>,
-) -> Result<(DecimalMark, bool), Refusal> {
+) -> Result<(Option<DecimalMark>, bool), Refusal> {
     let cells = || {
         let lines = lines.iter().filter(|line| line.numbers() > 1);
         lines.flat_map(|line| line.cells.iter().map(move |cell| (line.number, cell)))
     };
     let first = |wanted: Evidence| cells().find(|(_, cell)| evidence(cell) == wanted);
-    let decimal = match given {
-        Some(decimal) => decimal,
+    let told = match given {
+        Some(decimal) => Some(decimal),
         None => {
             let point = first(Evidence::For(DecimalMark::Point));
             let comma = first(Evidence::For(DecimalMark::Comma));
@@ -218,31 +286,39 @@ fn mark(
                     );
                     return Err(open_mark(detail, comma));
                 }
-                (None, Some(_), _) => DecimalMark::Comma,
+                (Some(_), None, _) => Some(DecimalMark::Point),
+                (None, Some(_), _) => Some(DecimalMark::Comma),
                 (None, None, Some((line, cell))) if !is_plain(cells(), separator) => {
-                    let bare: String = cell.chars().filter(|c| !matches!(c, '.' | ',')).collect();
-                    let detail = format!(
-                        "{cell:?} in line {line} is {} or {bare}, and no other cell tells which",
-                        cell.replace(',', ".")
-                    );
-                    return Err(open_mark(detail, cell));
+                    return Err(either(line, cell));
                 }
-                _ => DecimalMark::Point,
+                (None, None, Some(_)) => Some(DecimalMark::Point),
+                (None, None, None) => None,
             }
         }
     };
+    let decimal = told.unwrap_or(DecimalMark::Point);
     let other = match decimal {
         DecimalMark::Point => DecimalMark::Comma,
         DecimalMark::Comma => DecimalMark::Point,
     };
     let has_groups =
         cells().any(|(_, cell)| cell.contains(other.character()) && parse(cell, decimal).is_some());
-    Ok((decimal, has_groups))
+    Ok((told, has_groups))
 }
 
 /// Whether only points can be decimals: commas part the cells, and none stands within one.
 fn is_plain<'a>(mut cells: impl Iterator<Item = (u64, &'a String)>, separator: Separator) -> bool {
     separator == Separator::Mark(b',') && !cells.any(|(_, cell)| cell.contains(','))
+}
+
+/// A cell that is one number with the one mark and another with the other.
+fn either(line: u64, cell: &str) -> Refusal {
+    let bare: String = cell.chars().filter(|c| !matches!(c, '.' | ',')).collect();
+    let detail = format!(
+        "{cell:?} in line {line} is {} or {bare}, and no other cell tells which",
+        cell.replace(',', ".")
+    );
+    open_mark(detail, cell)
 }
 
 fn open_mark(detail: String, cell: &str) -> Refusal {

@@ -86,7 +86,7 @@ fn by_place(sheet: &Sheet, wanted: &[Wanted; 2], hints: &Hints<'_>) -> Result<Ch
             }
         };
         let factor = match hint.unit {
-            Some(symbol) => factor(side, wanted, symbol, of_symbol(symbol), hints, &|| None)?.0,
+            Some(symbol) => factor(side, wanted, symbol, of_symbol(symbol), hints, &|| Ok(None))?.0,
             None => 1.0,
         };
         said.push(format!(

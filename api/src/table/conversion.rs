@@ -1,7 +1,7 @@
 //! Factors from the table's units to the job's.
 use super::{
     ColumnHint, Hints, Place, Refusal,
-    cells::Sheet,
+    cells::{Line, Sheet},
     header::{Column, Header, words},
     meaning::{is_plain_strain, means},
     unit::{Dimension, Unit, of_column, of_symbol},
@@ -91,7 +91,7 @@ pub(super) fn factor(
     symbol: &str,
     unit: Option<Unit>,
     hints: &Hints<'_>,
-    gauge: &dyn Fn() -> Option<Gauge>,
+    gauge: &dyn Fn() -> Result<Option<Gauge>, Refusal>,
 ) -> Result<(f64, String), Refusal> {
     let Some(own) = of_column(&wanted.name) else {
         let is_same = symbol.is_empty() || symbol == wanted.name || symbol == "1";
@@ -109,10 +109,11 @@ pub(super) fn factor(
     };
     let ratio = round(unit.factor / own.factor);
     let length = || {
-        let given = hints
-            .gauge_length_mm
-            .map(|length| (length, "given".to_owned()));
-        given.or_else(gauge).ok_or_else(|| {
+        // the user's word goes before what the table says, in one way or several
+        if let Some(length) = hints.gauge_length_mm {
+            return Ok((length, "given".to_owned()));
+        }
+        gauge()?.ok_or_else(|| {
             let detail = format!(
                 "{} is a strain, but the column is a length ({symbol})",
                 wanted.name
@@ -166,8 +167,37 @@ pub(super) fn times(factor: f64) -> String {
     }
 }
 
-/// A gauge length in the lines above the names: a label, a number, and a unit in either.
-pub(super) fn gauge_length(sheet: &Sheet, header: &Header) -> Option<Gauge> {
+/// The gauge length in the lines above the names: a label, a number, and a unit in either.
+///
+/// # Errors
+/// When lines say different ones, as a gauge length and a grip separation may, or when one can be read
+/// in two ways.
+pub(super) fn gauge_length(sheet: &Sheet, header: &Header) -> Result<Option<Gauge>, Refusal> {
+    let mut found: Option<(&Line, f64)> = None;
+    for line in &sheet.lines[..header.above] {
+        let Some(length) = length_of(sheet, line)? else {
+            continue;
+        };
+        match found {
+            None => found = Some((line, length)),
+            Some((first, other)) if other.total_cmp(&length).is_ne() => {
+                let [one, two] = [(first, other), (line, length)].map(|(line, length)| {
+                    let label = line.cells.first().map_or("", String::as_str);
+                    format!("line {} says {length} mm ('{label}')", line.number)
+                });
+                let detail = format!("{one}, {two}: which is the gauge length?");
+                let allowed = "reading.gauge_length_mm, that of the measured specimen";
+                let refusal = Refusal::new(Place::GaugeLength, "ambiguous", detail, allowed);
+                return Err(refusal);
+            }
+            Some(_) => {}
+        }
+    }
+    Ok(found.map(|(line, length)| (length, format!("line {}", line.number))))
+}
+
+/// The gauge length [mm] that a line says.
+fn length_of(sheet: &Sheet, line: &Line) -> Result<Option<f64>, Refusal> {
     const LABELS: [&[&str]; 9] = [
         &["gauge", "length"],
         &["gage", "length"],
@@ -179,27 +209,28 @@ pub(super) fn gauge_length(sheet: &Sheet, header: &Header) -> Option<Gauge> {
         &["upinaci", "delka"],
         &["initial", "length"],
     ];
-    sheet.lines[..header.above].iter().find_map(|line| {
-        let (label, rest) = line.cells.split_first()?;
-        let said = words(label);
-        let is_label = LABELS
-            .iter()
-            .any(|label| said.windows(label.len()).any(|part| part == *label));
-        let number = sheet.parse(rest.first()?).filter(|number| *number > 0.0)?;
-        let beside = rest
-            .get(1)
-            .map(|cell| cell.trim_matches(['(', ')', '[', ']']));
-        let within = label
-            .rsplit_once(['(', '['])
-            .map(|(_, end)| end.trim_end_matches([')', ']', ':', ' ']));
-        let unit = beside
-            .and_then(of_symbol)
-            .or_else(|| within.and_then(of_symbol))?;
-        (is_label && unit.dimension == Dimension::Length).then(|| {
-            (
-                round(1e3 * unit.factor * number),
-                format!("line {}", line.number),
-            )
-        })
-    })
+    let [label, number, rest @ ..] = &line.cells[..] else {
+        return Ok(None);
+    };
+    let said = words(label);
+    let is_label = LABELS
+        .iter()
+        .any(|label| said.windows(label.len()).any(|part| part == *label));
+    let beside = rest
+        .first()
+        .map(|cell| cell.trim_matches(['(', ')', '[', ']']));
+    let within = label
+        .rsplit_once(['(', '['])
+        .map(|(_, end)| end.trim_end_matches([')', ']', ':', ' ']));
+    let unit = beside
+        .and_then(of_symbol)
+        .or_else(|| within.and_then(of_symbol))
+        .filter(|unit| is_label && unit.dimension == Dimension::Length);
+    let Some(unit) = unit else {
+        return Ok(None);
+    };
+    let number = sheet.number_above(line, number)?;
+    Ok(number
+        .filter(|number| *number > 0.0)
+        .map(|number| round(1e3 * unit.factor * number)))
 }

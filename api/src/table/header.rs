@@ -2,6 +2,7 @@
 use super::{
     Place, Refusal,
     cells::{Line, Sheet, no_points},
+    number::is_number,
     unit::{Unit, of_column, of_symbol},
 };
 
@@ -32,7 +33,8 @@ pub(super) struct Header {
 
 impl Header {
     /// # Errors
-    /// When numbers stand above the names, or there are more of them than names.
+    /// When numbers stand above the names, or there are more of them than names, or, between spaces,
+    /// fewer.
     pub(super) fn find(sheet: &Sheet) -> Result<Self, Refusal> {
         let lines = &sheet.lines;
         let last = lines.iter().rposition(|line| line.numbers() > 1);
@@ -58,7 +60,7 @@ impl Header {
             }
             Some(at) => Self::over(lines, at, None),
         };
-        header.check(lines)?;
+        header.check(sheet)?;
         Ok(header)
     }
 
@@ -88,11 +90,9 @@ impl Header {
         }
     }
 
-    fn check(&self, lines: &[Line]) -> Result<(), Refusal> {
-        let early = lines[..self.above]
-            .iter()
-            .find(|line| line.numbers() > 1 && line.numbers() == line.cells.len());
-        if let Some(early) = early {
+    fn check(&self, sheet: &Sheet) -> Result<(), Refusal> {
+        let lines = &sheet.lines;
+        if let Some(early) = earlier_table(lines, self.above) {
             let detail = format!(
                 "line {} holds numbers above the names in line {}: one table at a time",
                 early.number, self.line
@@ -104,6 +104,21 @@ impl Header {
             0 => lines[0].cells.len(),
             width => width,
         };
+        // no cell is empty between spaces: the names are fewer than the words
+        let narrow = lines[self.first..]
+            .iter()
+            .find(|line| sheet.is_parted_by_spaces() && line.cells.len() < self.columns.len());
+        if let Some(narrow) = narrow {
+            let detail = format!(
+                "line {} has {width} words between spaces, line {} only {} cells: which words are one \
+                 name?",
+                self.line,
+                narrow.number,
+                narrow.cells.len()
+            );
+            let allowed = "names of one word, or tabs or semicolons between the cells";
+            return Err(Refusal::new(Place::Text, "ambiguous", detail, allowed));
+        }
         let Some(wide) = lines[self.first..]
             .iter()
             .find(|line| line.cells.len() > width)
@@ -128,6 +143,50 @@ impl Header {
             "as many cells in each line as columns; a comma parts either cells or decimals";
         Err(Refusal::new(Place::Text, "ambiguous", detail, allowed))
     }
+}
+
+/// A line of another table above the names.
+///
+/// What a machine says of the specimen has numbers too: `Width;15;mm;Thickness;0.1;mm`, a label before
+/// each. A line of a table begins with a number, or its numbers stand in the columns of those next
+/// to it; or its names are these once more.
+fn earlier_table(lines: &[Line], names: usize) -> Option<&Line> {
+    let above = &lines[..names];
+    let columns = |line: &Line| -> Vec<usize> {
+        let cells = line.cells.iter().enumerate();
+        let numbers = cells.filter(|(_, cell)| is_number(cell));
+        numbers.map(|(column, _)| column).collect()
+    };
+    let begins_with_number = |line: &Line| {
+        let mut filled = line.cells.iter().filter(|cell| !cell.is_empty());
+        filled.next().is_some_and(|cell| is_number(cell))
+    };
+    let is_label = |cell: &str| !cell.is_empty() && !is_number(cell);
+    let are_labelled = |line: &Line, columns: &[usize]| {
+        let mut columns = columns.iter();
+        columns.all(|column| *column > 0 && is_label(&line.cells[column - 1]))
+    };
+    let is_row = |index: usize| {
+        let line = &above[index];
+        let own = columns(line);
+        let mut beside = [index.checked_sub(1), Some(index + 1)]
+            .into_iter()
+            .flatten()
+            .filter_map(|other| above.get(other));
+        own.len() > 1
+            && (begins_with_number(line)
+                || !are_labelled(line, &own) && beside.any(|other| columns(other) == own))
+    };
+    let same_names = above.iter().position(|line| {
+        lines
+            .get(names)
+            .is_some_and(|names| line.cells == names.cells)
+    });
+    let below = same_names.map_or(&[][..], |same| &above[same..]);
+    (0..above.len())
+        .find(|index| is_row(*index))
+        .map(|index| &above[index])
+        .or_else(|| below.iter().find(|line| line.numbers() > 1))
 }
 
 /// Whether every cell of a line is a unit, not all of them numbers.

@@ -157,6 +157,55 @@ fn extensions_become_strains_by_the_gauge_length() {
 }
 
 #[test]
+fn of_several_gauge_lengths_none_is_taken() {
+    let curve = "Extension (mm),Load (N)\n2,0.23\n4,0.52\n";
+    let [grips, gauge] = ["Grip separation,40,mm\n", "Gauge length,20,mm\n"];
+    for lines in [format!("{grips}{gauge}"), format!("{gauge}{grips}")] {
+        let open = refusal(&format!("{lines}{curve}"));
+        let words = (open.place, open.code);
+        assert_eq!(words, (Place::GaugeLength, "ambiguous"), "{open:?}");
+        let named = ["line 1", "line 2", "20 mm", "40 mm"];
+        assert!(named.iter().all(|n| open.detail.contains(n)), "{open:?}");
+        // the user's decides: 2 mm over 20 mm
+        let hints = Hints {
+            gauge_length_mm: Some(20.0),
+            ..Hints::default()
+        };
+        assert_eq!(read_with(&format!("{lines}{curve}"), hints).points, TWO);
+        // and none is asked for where the strain stands in the table
+        assert_two(&format!("{lines}Strain,Load (N)\n0.1,0.23\n0.2,0.52\n"));
+    }
+    // the same one twice, in other units
+    assert_two(&format!("{gauge}Grip separation,2,cm\n{curve}"));
+}
+
+#[test]
+fn a_gauge_length_tells_its_decimals_where_the_table_is_of_whole_numbers() {
+    let whole = |length: &str| format!("Messlänge;{length};mm\nWeg [µm];Kraft [mN]\n2000;230\n");
+    let open = refusal(&whole("20,000"));
+    assert_eq!((open.place, open.code), (Place::Decimal, "ambiguous"));
+    assert!(open.detail.contains("line 1"), "{open:?}");
+    let hints = |decimal| Hints {
+        decimal: Some(decimal),
+        ..Hints::default()
+    };
+    // 2 mm over 20 mm, and over 20 m
+    let text = whole("20,000");
+    let strain = |reading: Reading| reading.points[0][0];
+    for (decimal, expected) in [(DecimalMark::Comma, 0.1), (DecimalMark::Point, 1e-4)] {
+        let found = strain(read_with(&text, hints(decimal)));
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found}");
+    }
+    for length in ["20", "20,0", "20.0", "020,000"] {
+        let found = points(&whole(length));
+        assert!((found[0][0] - 0.1).abs() < 1e-12, "{found:?} from {length}");
+    }
+    // the table's mark goes before: 20 m
+    let found = points("Messlänge;20,000;mm\nWeg [mm];Kraft [N]\n2.0;0.23\n");
+    assert!((found[0][0] - 1e-4).abs() < 1e-15, "{found:?}");
+}
+
+#[test]
 fn numbers_that_can_be_read_in_two_ways_are_refused_unless_others_tell() {
     let open = refusal("Strain (%);Load (N)\n10;1,027\n20;2,500\n");
     assert_eq!((open.place, open.code), (Place::Decimal, "ambiguous"));
@@ -216,6 +265,100 @@ fn no_line_is_dropped_without_a_word() {
     };
     let broken = refusal_with("Strain,Load (N)\nO.1,O.23\n0.2,0.52\n", hints);
     assert_eq!(broken.place, Place::Text, "{broken:?}");
+}
+
+#[test]
+fn a_quote_that_hides_points_is_refused_and_one_that_does_not_is_read() {
+    for (text, lines) in [
+        // up to the next quote, which stands lines below, in the next line, or nowhere
+        (
+            "Strain;Load (N);Remark\n0.1;0.2;x\n0.2;0.4;\"start\n0.3;0.6;x\n0.4;0.8;end\"\n0.5;1;x\n",
+            ["line 3", "up to 5"],
+        ),
+        (
+            "Strain;Load (N);Remark\n0.1;0.2;\"start\n0.2;0.4;end\"\n",
+            ["line 2", "up to 3"],
+        ),
+        (
+            "Operator\n\nStrain;Load (N);Remark\n0.1;0.2;x\n\n0.2;0.4;\"a\n0.3;0.6;x\n",
+            ["line 6", "up to 7"],
+        ),
+        (
+            "\"Strain\",\"Load (N)\",\"Remark\"\n\"0.1\",\"0.2\",\"a\n\"0.2\",\"0.4\",\"b\"\n",
+            ["line 2", "up to 3"],
+        ),
+    ] {
+        let refusal = refusal(text);
+        assert_eq!(refusal.code, "syntax", "{refusal:?} of {text}");
+        let all = lines.iter().all(|line| refusal.detail.contains(line));
+        assert!(all, "{refusal:?} of {text}");
+    }
+    // titles and remarks of several lines, as spreadsheets write them
+    for text in [
+        "Notes;\"conditioned\nat 23 °C\"\nStrain;\"Load\n(N)\"\n0.1;0.23\n0.2;0.52\n",
+        "Strain;Load (N);Remark\n0.1;0.23;\"slips\nin the jaw\"\n0.2;0.52;\n",
+        "Strain;Load (N);Remark\n0.1;0.23;5\" jaws\n0.2;0.52;5\" jaws\n",
+    ] {
+        assert_two(text);
+    }
+}
+
+#[test]
+fn names_of_two_words_between_spaces_are_refused() {
+    let two_words = refusal("Test time   Strain   Load   Width\n0 0.1 0.23 15\n1 0.2 0.52 15\n");
+    assert_eq!(
+        (two_words.place, two_words.code),
+        (Place::Text, "ambiguous")
+    );
+    let named = ["line 1", "5 words", "line 2", "4"];
+    let all = named.iter().all(|part| two_words.detail.contains(part));
+    assert!(all, "{two_words:?}");
+    // one word a name, or a mark between names of two
+    assert_two("Time   Strain   Load/N   Width\n0 0.1 0.23 15\n1 0.2 0.52 15\n");
+    assert_two("Test time;Strain;Load (N);Width\n0;0.1;0.23;15\n1;0.2;0.52;15\n");
+}
+
+#[test]
+fn a_second_table_is_refused_whatever_stands_beside_its_numbers() {
+    for (table, line) in [
+        ("Strain;Load (N)\n0.1;0.2\n0.2;0.4\n", "line 2"),
+        // a column of words, an empty one, both
+        ("Strain;Load (N);Status\n0.1;0.2;ok\n0.2;0.4;ok\n", "line 2"),
+        ("Strain;;Load (N)\n0.1;;0.2\n0.2;;0.4\n", "line 2"),
+        ("Event;Strain;Load (N)\nstart;0.1;0.2\n;0.2;0.4\n", "line 2"),
+        ("Event;;Strain;Load (N)\n;;0.1;0.2\n;;0.2;0.4\n", "line 2"),
+        // a word before each number passes for a label, but the names come again
+        (
+            "A;Strain;B;Load (N)\nok;0.1;ok;0.2\nok;0.2;ok;0.4\n",
+            "line 2",
+        ),
+        // of one point
+        ("Strain;Load (N);Status\n0.1;0.2;ok\n", "line 2"),
+    ] {
+        let refusal = refusal(&format!("{table}{table}"));
+        let words = (refusal.place, refusal.code);
+        assert_eq!(words, (Place::Text, "ambiguous"), "{refusal:?} of {table}");
+        assert!(refusal.detail.contains(line), "{refusal:?} of {table}");
+    }
+    // one of other columns
+    let results = "No;Name;Fmax (N);E (MPa)\n1;A;12.3;3000\nStrain;Load (N)\n0.1;0.23\n";
+    assert!(refusal(results).detail.contains("line 2"));
+}
+
+#[test]
+fn what_a_machine_says_of_the_specimen_is_no_table() {
+    for line in [
+        "Width;15;Thickness;0.1",
+        "Width;15;mm;Thickness;0.1;mm\nLength;100;mm;Speed;10;mm/min",
+        "Operator;A. Smith\nWidth;15;Thickness;0.1\nLength;100;Span;50",
+        "Date;12.03.2024;10:23:11\nPrüfgeschwindigkeit;20;mm/min",
+        "Range;0;500;N",
+        "Standard;ISO 1924-2;2008\nSpecimen;7",
+        "23;°C",
+        "Strain;Load (N)",
+    ] {
+        assert_two(&format!("{line}\nStrain;Load (N)\n0.1;0.23\n0.2;0.52\n"));
+    }
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! What is known of the parameters: intervals, and which the data cannot tell apart.
 use loadframe_harness::statistics::Sample;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 
 use super::trials::{Halt, Trials};
 
 /// Condition index of derivatives, their columns scaled to length 1, from which parameters are not
 /// told apart: the threshold of strong collinearity in [BelsleyKuhWelsch1980].
 pub(super) const LARGEST_CONDITION: f64 = 30.0;
-/// A parameter that changes no residual by more than this per factor of e (or over its range) has no
-/// effect that could be told from chance.
+/// A parameter that changes no measured quantity's residual by more than this per factor of e (or over
+/// its range) has no effect that could be told from chance.
 const LEAST_EFFECT: f64 = 0.01;
 /// Share of a direction from which a parameter takes part in it.
 const PART: f64 = 0.2;
@@ -42,7 +42,8 @@ pub(super) fn confidence(trials: &mut Trials<'_>, best: usize) -> Result<Confide
     let jacobian = derivatives(trials, best)?;
     let (rows, count) = jacobian.shape();
     let lengths: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
-    let effect = |index: usize| jacobian.column(index).amax();
+    let results = trials.setting.spec.measured.results.len();
+    let effect = |index: usize| effect(jacobian.column(index), results);
     let (moving, idle): (Vec<usize>, Vec<usize>) =
         (0..count).partition(|index| effect(*index) > LEAST_EFFECT);
     let mut confidence = Confidence {
@@ -88,6 +89,16 @@ pub(super) fn confidence(trials: &mut Trials<'_>, best: usize) -> Result<Confide
         confidence.half_widths[*index] = half_width(trials, best, &weights);
     }
     Ok(confidence)
+}
+
+/// The largest change of a measured quantity's residual, from the derivatives of all residuals,
+/// `results` of them of results and the rest of the points of a curve.
+///
+/// A curve is one quantity: its n points are divided by √n, so that √Σ (∂rᵢ/∂θ)² over them is their
+/// root mean square and does not depend on how densely it was measured.
+fn effect(derivatives: DVectorView<'_, f64>, results: usize) -> f64 {
+    let curve = derivatives.rows_range(results..);
+    derivatives.rows(0, results).amax().max(curve.norm())
 }
 
 /// Half the width of the interval of Σ wᵢ rᵢ.
@@ -149,4 +160,30 @@ fn derivatives(trials: &mut Trials<'_>, best: usize) -> Result<DMatrix<f64>, Hal
         }
     }
     Ok(jacobian)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DVector;
+
+    #[test]
+    fn the_effect_on_a_curve_does_not_depend_on_its_number_of_points() {
+        // half of the points move by 0.3 of the largest ordinate, the others by 0.4, over √n each:
+        // √((0.3² + 0.4²)/2)
+        let expected = 0.125_f64.sqrt();
+        for points in [2, 10, 1_000, 20_000] {
+            let share = f64::from(points).sqrt();
+            let change = |index: usize| if index.is_multiple_of(2) { 0.3 } else { -0.4 };
+            let curve = (0..points as usize).map(|index| change(index) / share);
+            let results = [0.001, -0.25];
+            let all = results.into_iter().chain(curve);
+            let all = DVector::from_iterator(2 + points as usize, all);
+            let found = effect(all.as_view(), 2);
+            assert!((found - expected).abs() < 1e-12, "{points}: {found}");
+        }
+        // results count each, and need no curve
+        let results = DVector::from_vec(vec![0.008, -0.009, 0.007]);
+        assert!((effect(results.as_view(), 3) - 0.009).abs() < 1e-15);
+    }
 }

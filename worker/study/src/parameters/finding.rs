@@ -34,8 +34,12 @@ pub struct Step {
     pub difference: f64,
     /// Probability of a difference this large between samples of equal populations, by Welch's t.
     /// The test takes the samples as independent: where a seed gives alike specimens in both cases,
-    /// a difference may be real though p is large. `null` where a case has less than two values.
+    /// a difference may be real though p is large. `null` where a case has less than two values, and
+    /// where seeds change nothing in either: without scatter there is no chance to test against.
     pub p: Option<f64>,
+    /// Whether all values over the seeds are equal in both cases.
+    #[serde(skip)]
+    is_without_scatter: bool,
 }
 
 /// Which way a result goes over the cases as they are listed.
@@ -120,24 +124,49 @@ impl Finding {
     fn chance(&self, labels: Labels<'_>) -> String {
         let tested = self.steps.iter().filter_map(|step| Some((step, step.p?)));
         let tested: Vec<(&Step, f64)> = tested.collect();
-        if tested.len() < self.steps.len() {
+        let pair = |step: &Step| {
+            let [from, to] = [&step.from, &step.to].map(|label| labels.short(label));
+            format!("{from} and {to}")
+        };
+        let equal = self.steps.iter().filter(|step| step.is_without_scatter);
+        let equal: Vec<String> = equal.map(pair).collect();
+        if tested.len() + equal.len() < self.steps.len() {
             return "With less than two specimens in a case nothing can be said of chance."
                 .to_owned();
         }
+        if tested.is_empty() {
+            return "Seeds change nothing in it, so that nothing is said of chance.".to_owned();
+        }
+        if equal.is_empty() {
+            return self.tested(&tested, ["The difference", "neighbours"], labels);
+        }
+        // what is said of the others must not pass for all
+        let one = format!("The difference between {}", pair(tested[0].0));
+        format!(
+            "Seeds change nothing in {}, so that nothing is said of chance there. {}",
+            equal.join("; "),
+            self.tested(&tested, [&one, "other neighbours"], labels)
+        )
+    }
+
+    /// Which of the differences that were tested may be chance; `names`: of one of them, and of the
+    /// cases between which they are.
+    fn tested(&self, tested: &[(&Step, f64)], names: [&str; 2], labels: Labels<'_>) -> String {
+        let [one, all] = names;
         let test = format!("Welch's t, {} %", 100.0 * LEVEL);
         let smallest = tested.iter().map(|(_, p)| *p).fold(1.0, f64::min);
         let largest = tested.iter().map(|(_, p)| *p).fold(0.0, f64::max);
         if let [(_, p)] = tested[..] {
             let than = if p > LEVEL { "may be" } else { "is more than" };
-            return format!("The difference {than} chance ({test}; {}).", probability(p));
+            return format!("{one} {than} chance ({test}; {}).", probability(p));
         }
         if largest <= LEVEL {
             let most = probability(largest);
-            return format!("All neighbours differ by more than chance ({test}; at most {most}).");
+            return format!("All {all} differ by more than chance ({test}; at most {most}).");
         }
         let neighbours = if smallest > LEVEL {
             let least = probability(smallest);
-            format!("Between neighbours all differences may be chance ({test}; at least {least})")
+            format!("Between {all} all differences may be chance ({test}; at least {least})")
         } else {
             let alike = tested.iter().filter(|(_, p)| *p > LEVEL).map(|(step, p)| {
                 let [from, to] = [&step.from, &step.to].map(|label| labels.short(label));
@@ -171,11 +200,14 @@ impl Step {
     fn between(name: &str, from: &CaseRow, to: &CaseRow) -> Option<Self> {
         let [first, second] = [from, to].map(|case| case.results[name].sample());
         let (first, second) = (first?, second?);
+        let is_without_scatter = [&first, &second].map(|s| s.deviation) == [Some(0.0); 2];
+        let test = Welch::test(&first, &second).filter(|_| !is_without_scatter);
         Some(Self {
             from: from.label.clone(),
             to: to.label.clone(),
             difference: second.mean - first.mean,
-            p: Welch::test(&first, &second).map(|test| test.p),
+            p: test.map(|test| test.p),
+            is_without_scatter,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Studies of parameters of a small fabric and a few grains, from end to end.
 use std::path::Path;
 
+use indexmap::IndexMap;
 use loadframe_api::Message;
 use loadframe_api::study::ParameterStudy;
 use loadframe_physics::{Sample, Welch};
@@ -313,6 +314,70 @@ fn warnings_are_counted_by_case() {
         soft.warnings_in_words()
             .starts_with("2 of 2: largest overlap ratio (2)")
     );
-    // specimens that are all alike differ from others beyond doubt
-    assert_eq!(study.findings["elastic_energy"].steps[0].p, Some(0.0));
+    // specimens that are all alike have no scatter to hold a difference against
+    let finding = &study.findings["elastic_energy"];
+    assert_eq!(finding.steps[0].p, None);
+    assert!(
+        finding
+            .words
+            .ends_with("Seeds change nothing in it, so that nothing is said of chance."),
+        "{}",
+        finding.words
+    );
+}
+
+#[test]
+fn where_seeds_change_nothing_nothing_is_said_of_chance() {
+    let case = |label: &str, values: [f64; 2]| {
+        let sample = Sample::of(&values).expect("two values");
+        let result = CaseResult {
+            unit: "N".to_owned(),
+            mean: Some(sample.mean),
+            deviation: sample.deviation,
+            interval: sample.interval,
+            n: sample.count,
+        };
+        CaseRow {
+            label: label.to_owned(),
+            set: IndexMap::new(),
+            spec_sha256: String::new(),
+            cpu_s: 0.0,
+            doubtful: 0,
+            warnings: IndexMap::new(),
+            results: IndexMap::from([("force".to_owned(), result)]),
+            tests: Vec::new(),
+        }
+    };
+    let finding = |cases: &[CaseRow]| Finding::of("force", cases);
+    // apart by rounding only
+    let equal = [case("a", [8.0; 2]), case("b", [8.0 + 1e-12; 2])];
+    let rounded = finding(&equal);
+    assert_eq!((rounded.trend, rounded.steps[0].p), (Trend::Rises, None));
+    assert!(
+        !rounded.words.contains("more than chance"),
+        "{}",
+        rounded.words
+    );
+    assert!(
+        rounded.words.contains("Seeds change nothing"),
+        "{}",
+        rounded.words
+    );
+    // t = 4/√(0.02/2) = 40 at one degree of freedom: p = 1 − 2 atan(40)/π
+    let [a, b] = equal;
+    let mixed = finding(&[a, b, case("c", [11.9, 12.1])]);
+    let p = 1.0 - 2.0 * 40.0_f64.atan() / std::f64::consts::PI;
+    let found = mixed.steps[1].p.expect("c scatters");
+    assert!(
+        mixed.steps[0].p.is_none() && (found - p).abs() < 1e-9,
+        "{found} {p}"
+    );
+    assert!(
+        mixed.words.contains(
+            "Seeds change nothing in a and b, so that nothing is said of chance there. The difference \
+             between b and c is more than chance"
+        ),
+        "{}",
+        mixed.words
+    );
 }
