@@ -266,6 +266,16 @@ fn warn(
             ),
         );
     }
+    if let Some((node, strain)) = state.unstable {
+        report.warn(
+            "unstable_equilibrium",
+            format!(
+                "at a nominal strain of {strain} compressed bonds push at node {node} from both sides and \
+                 nothing holds it aside: forces are those of a balance that the least push ends; move \
+                 the node off the line of its bonds by a little"
+            ),
+        );
+    }
     if let Some(imbalance) = report
         .failed("jaw_force_imbalance")
         .map(|check| check.value)

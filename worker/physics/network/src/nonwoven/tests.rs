@@ -147,3 +147,37 @@ fn a_loose_equilibrium_that_symmetry_hides_shows_in_the_energy() {
     assert!(report.quality["unaccounted_energy"].value < 0.005);
     assert!(codes(&report).is_empty(), "{:?}", report.warnings);
 }
+
+/// Two bonds of 11 mm on a way of 20 mm, their node so far [mm] off the line, beside one that is straight.
+fn chain(aside: f64) -> (Report, Curve) {
+    run(&format!(
+        r#"{{"kind": "nonwoven_tensile", "name": "chain", "spec": {{"version": 1,
+            "fabric": {{"network": {{
+                "nodes_mm": [[0, 0, 0], [{aside}, 10, 0], [0, 20, 0], [10, 0, 0], [10, 20, 0]],
+                "jaws": ["bottom", "free", "top", "bottom", "top"],
+                "bonds": [{{"nodes": [0, 1], "rest_length_mm": 11}},
+                    {{"nodes": [1, 2], "rest_length_mm": 11}}, {{"nodes": [3, 4]}}]}}}},
+            "bond": {{"modulus_n": 1, "compression_stiffness_n": 1}},
+            "test": {{"strain_step": 0.01, "max_strain": 0.05, "breaking": "none"}},
+            "accuracy": "reference"}}}}"#
+    ))
+}
+
+fn is_unstable(report: &Report) -> bool {
+    report
+        .warnings
+        .iter()
+        .any(|warning| warning.code == "unstable_equilibrium")
+}
+
+#[test]
+fn bonds_that_push_along_one_line_are_told() {
+    let (straight, _) = chain(0.0);
+    assert!(is_unstable(&straight), "{:?}", straight.warnings);
+    // what is slack does not push: all is carried by the straight bond, 1 N times its strain
+    let (bent, curve) = chain(0.1);
+    assert!(!is_unstable(&bent), "{:?}", bent.warnings);
+    // at the node the limit of 0.05 N/10⁴ may be left aside, and along bonds at 10.5 : 3.3 some 3.2 times
+    // half of it
+    assert!((curve.at_end("force_n") - 0.05).abs() < 2.0 * 0.05 / 1e4);
+}

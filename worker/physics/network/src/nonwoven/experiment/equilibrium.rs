@@ -110,6 +110,10 @@ impl Experiment<'_> {
             let node = settled.mechanism(&self.loaded.assembly);
             self.state.mechanism = node.map(|node| (node, self.nominal_strain()));
         }
+        if self.state.unstable.is_none() {
+            let node = settled.unstable(&self.loaded.assembly, force_limit);
+            self.state.unstable = node.map(|node| (node, self.nominal_strain()));
+        }
     }
 
     pub(super) fn check_finite(&self, settled: &Settled) -> Result<(), SimulationError> {
