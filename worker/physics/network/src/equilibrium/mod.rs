@@ -1,7 +1,8 @@
 //! Four ways from displacements that are not in equilibrium to displacements that are.
 //!
 //! Equilibrium means that the resultant of every free node is within
-//! F_lim = (e ε + f_r ε²)/A_cc (8) of [Zilka2022] eq. 3-4, or within what rounding alone explains.
+//! F_lim = (e ε + f_r ε²)/A_cc (8) of [Zilka2022] eq. 3-4, or within what rounding alone explains. Bonds
+//! are all alike there; where they differ, e and f_r are those of the softest.
 //!
 //! - [`newton_cg`] descends the energy of the whole network (default), its steps found by
 //!   [`conjugate_gradients`] with [`block_jacobi`] for short waves and [`multigrid`] for long ones,

@@ -1,4 +1,6 @@
 //! What a search for equilibrium is told, and what it comes to.
+use nalgebra::Matrix3;
+
 use crate::{
     assembly::Assembly,
     configuration::{Configuration, Residual, Verdict},
@@ -61,6 +63,55 @@ pub(crate) struct Settled {
 }
 
 impl Settled {
+    /// The first free node that equilibrium holds although the energy falls when it alone moves: bonds
+    /// that push along one line, say, until something moves them off it. None where the assembly is
+    /// not in equilibrium, or where what pushes is within `force_limit` [N].
+    ///
+    /// A node's own stiffness is Σ (a − b) n⊗n + (Σ b) 1 over its bonds (7), where no a − b is negative: it
+    /// curves down only where Σ b is, which in a net that is pulled hardly a node has. Parts that buckle
+    /// only as a whole are not seen.
+    pub(crate) fn unstable(&self, assembly: &Assembly, force_limit: f64) -> Option<usize> {
+        if self.residual.verdict == Verdict::Unbalanced {
+            return None;
+        }
+        let transverse = &self.configuration.stiffness.transverse;
+        let is_pushed = |node: &usize| {
+            let bonds = assembly.incidence().of(*node).iter();
+            bonds.map(|bond| transverse[*bond as usize]).sum::<f32>() < 0.0
+        };
+        let mut pushed = assembly.free().filter(is_pushed);
+        let found = pushed.find(|node| self.falls(assembly, force_limit, *node));
+        found.map(|node| assembly.node(node))
+    }
+
+    /// Whether moving a free node by the length of a bond that pushes it sets free more than
+    /// `force_limit`.
+    fn falls(&self, assembly: &Assembly, force_limit: f64, node: usize) -> bool {
+        // along its guide it may be held
+        if assembly.guide_of(node).is_some() {
+            return false;
+        }
+        let (mut stiffness, mut reach) = (Matrix3::zeros(), 0.0_f64);
+        for bond in assembly.incidence().of(node) {
+            let state = self.configuration.bond(assembly, *bond as usize);
+            let along = state.direction * state.direction.transpose();
+            stiffness += (state.axial - state.transverse) * along;
+            stiffness += state.transverse * Matrix3::identity();
+            if state.transverse < 0.0 {
+                reach = reach.max(state.tension / state.transverse);
+            }
+        }
+        // a plane network does not leave its plane
+        let least = match assembly.dimensions() {
+            2 => {
+                let in_plane = stiffness.fixed_view::<2, 2>(0, 0).into_owned();
+                in_plane.symmetric_eigenvalues().min()
+            }
+            _ => stiffness.symmetric_eigenvalues().min(),
+        };
+        -least * reach > force_limit
+    }
+
     /// The free node that keeps an unbalanced assembly from equilibrium although nothing resists
     /// its motion along its resultant: it belongs to a mechanism, or buckles.
     pub(crate) fn mechanism(&self, assembly: &Assembly) -> Option<usize> {

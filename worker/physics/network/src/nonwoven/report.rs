@@ -1,7 +1,7 @@
 //! Results of a test in the words of tensile standards, and whether to believe them.
 use loadframe_api::{
     Report,
-    spec::nonwoven_tensile::{Breaking, NonwovenTensile, Solver},
+    spec::nonwoven_tensile::{Breaking, Fabric, NonwovenTensile, Solver},
 };
 use loadframe_harness::{ReportBuilder, curve};
 
@@ -35,6 +35,9 @@ pub(super) fn report(
     results(&mut report, spec, specimen, state, stop_reason);
     if !spec.test.history.is_empty() {
         cycles::report(&mut report, spec, state);
+    } else if let Fabric::Network(_) = spec.fabric {
+        // how wrong lattices may be was measured; their folds snap, and few steps are a coarse sum
+        cycles::check_pull(&mut report, state);
     }
     checks(&mut report, spec, state);
     warn(&mut report, spec, specimen, state, stop_reason);
@@ -260,6 +263,16 @@ fn warn(
             format!(
                 "node {node} is part of a mechanism: at a nominal strain of {strain} nothing \
                  resists its motion along its resultant"
+            ),
+        );
+    }
+    if let Some((node, strain)) = state.unstable {
+        report.warn(
+            "unstable_equilibrium",
+            format!(
+                "at a nominal strain of {strain} compressed bonds push at node {node} from both sides and \
+                 nothing holds it aside: forces are those of a balance that the least push ends; move \
+                 the node off the line of its bonds by a little"
             ),
         );
     }

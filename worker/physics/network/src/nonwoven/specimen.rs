@@ -12,7 +12,7 @@ use super::{
 use crate::{
     Bonds, Laws, Network, Vector,
     boundary::{BOTTOM, Hold, Set, TOP},
-    law::BondLaw,
+    law::{BondLaw, StrainLaw},
     load_path::{carries_load, parts},
 };
 
@@ -34,7 +34,7 @@ pub(super) struct Specimen {
     pub(super) layers: Option<u32>,
     /// How lateral contraction is measured, where it can be.
     pub(super) width_gauge: Option<WidthGauge>,
-    /// e and f_r for the force limit (8): the means over all bonds.
+    /// The means over all bonds.
     pub(super) mean_law: BondLaw,
 }
 
@@ -165,6 +165,21 @@ impl Specimen {
         let ends = network.bonds.ends.iter();
         ends.filter(|ends| !carries_load(network, &parts, **ends))
             .count()
+    }
+
+    /// T [N] of the softest bond at a strain u ≥ 0, what the force limit (8) is a part of.
+    ///
+    /// Between soft parts a stiff bond turns and moves by forces that are theirs: a limit that rises
+    /// with its modulus, as a mean does, leaves them where they happen to be.
+    pub(super) fn softest_tension(&self, strain: f64) -> f64 {
+        match &self.network.bonds.laws {
+            // of these the mean is their own, but for rounding
+            Laws::Same(_) => self.mean_law.tension(strain),
+            Laws::Each(laws) => {
+                let tensions = laws.iter().map(|law| law.tension(strain));
+                tensions.fold(f64::INFINITY, f64::min)
+            }
+        }
     }
 
     /// Mean strength of the bonds that can break [N]; NaN where none can.

@@ -65,6 +65,8 @@ pub(super) struct State {
     pub(super) round_off: Vec<f64>,
     /// The first node found to move without resistance, and the strain.
     pub(super) mechanism: Option<(usize, f64)>,
+    /// The first node found to rest where it is not stable, and the strain.
+    pub(super) unstable: Option<(usize, f64)>,
     pub(super) work: Work,
 }
 
@@ -253,6 +255,7 @@ impl State {
             unconverged: Vec::new(),
             round_off: Vec::new(),
             mechanism: None,
+            unstable: None,
             work: Work::default(),
         }
     }

@@ -8,7 +8,6 @@ use crate::{
     configuration::Verdict,
     equilibrium::{Descent, Gradient, Method, Search, Settled, calm, work::Meter},
     field::Field,
-    law::{BondLaw, StrainLaw},
     nonwoven::predictor::JawMove,
 };
 
@@ -75,14 +74,10 @@ impl Experiment<'_> {
         };
         // without strain the limit would be zero, so step 0 is held to the limit of step 1
         let strain = self.nominal_strain().max(self.spec.test.strain_step);
-        let in_tension = BondLaw {
-            compression_stiffness: 0.0,
-            ..self.specimen.mean_law
-        };
         Search {
             method,
             iteration_limit: knobs.iteration_limit.unwrap_or(iterations),
-            force_limit: in_tension.tension(strain) / knobs.force_accuracy,
+            force_limit: self.specimen.softest_tension(strain) / knobs.force_accuracy,
             step_cap: self.step_cap,
             calm: calm(knobs.force_accuracy),
         }
@@ -114,6 +109,10 @@ impl Experiment<'_> {
         if self.state.mechanism.is_none() {
             let node = settled.mechanism(&self.loaded.assembly);
             self.state.mechanism = node.map(|node| (node, self.nominal_strain()));
+        }
+        if self.state.unstable.is_none() {
+            let node = settled.unstable(&self.loaded.assembly, force_limit);
+            self.state.unstable = node.map(|node| (node, self.nominal_strain()));
         }
     }
 
