@@ -296,10 +296,9 @@ impl Change {
     /// Puts a job whose project is gone where its owner's new jobs go.
     async fn bring_home(&mut self, id: Uuid) -> Result<()> {
         let moved = query(
-            "UPDATE jobs SET project = (SELECT p.id FROM projects p WHERE p.person = jobs.owner
-                AND p.archived_at IS NULL AND p.deleted_at IS NULL ORDER BY p.created_at, p.id LIMIT 1)
-             WHERE id = ?1 AND EXISTS (SELECT 1 FROM projects p WHERE p.person = jobs.owner
-                AND p.archived_at IS NULL AND p.deleted_at IS NULL)",
+            "UPDATE jobs SET project = home.id FROM (SELECT p.id FROM projects p JOIN jobs j ON j.owner = p.person
+                WHERE j.id = ?1 AND p.archived_at IS NULL AND p.deleted_at IS NULL AND NOT p.is_received
+                ORDER BY p.created_at, p.id LIMIT 1) AS home WHERE jobs.id = ?1",
         )
         .bind(id)
         .execute(&mut self.connection)
