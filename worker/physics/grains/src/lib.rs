@@ -71,6 +71,8 @@ pub use contact::WATCHES;
 use loadframe_api::spec::granular_scene::{GranularScene, Stage};
 use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError};
 
+use output::warnings::Fields;
+
 /// Draws the scene of `spec` as it is before its first step; returns what is shown.
 ///
 /// # Errors
@@ -103,6 +105,6 @@ pub fn run(
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<Ending, SimulationError> {
-    let (ending, _) = stages::run::run(spec, context, recorder)?;
+    let (ending, _) = stages::run::run(spec, Fields::Scene, context, recorder)?;
     Ok(ending)
 }

@@ -138,3 +138,100 @@ fn a_plate_bounces_on_what_is_held_as_it_is_asked() {
     assert_close(least, -0.1, 1e-3);
     assert_close(most, 0.05, 1e-3);
 }
+
+/// A body that a sphere hits from above, its highest point at the origin of heights.
+fn partner(members: &[f64], radius: f64, fixed: &[&str]) -> Value {
+    let shape = match members {
+        [] => json!({"sphere": {"radius_m": radius}}),
+        _ => json!({"clump": {"members": members.iter().map(|height|
+            json!({"offset_m": [0, 0, height], "radius_m": radius})).collect::<Vec<_>>()}}),
+    };
+    let top = members.iter().copied().fold(0.0, f64::max);
+    let mut body =
+        json!({"material": "g", "position_m": [3e-4, 1e-4, -radius - top], "fixed": fixed});
+    let (body_fields, shape) = (body.as_object_mut().expect("a body"), shape);
+    body_fields.extend(shape.as_object().expect("a shape").clone());
+    body
+}
+
+/// What the partner of an impact cannot follow counts as infinitely heavy, whatever else it can do.
+#[test]
+fn what_is_held_along_the_normal_is_infinitely_heavy() {
+    let (asked, of_one) = (0.1, BOUNDS[2].2);
+    let dumbbell = [-4e-4, 4e-4];
+    for (members, radius, fixed) in [
+        (&[][..], RADIUS, &["z"][..]),
+        (&[], RADIUS, &["y", "z"]),
+        (&[], RADIUS, &["x", "y", "z"]),
+        // a tenth of the mass
+        (&[], 0.46 * RADIUS, &["z"]),
+        (&dumbbell, 0.46 * RADIUS, &["z"]),
+    ] {
+        let mut spec = bounce("", "linear", asked, "reference", 3e-5);
+        let bodies = spec["bodies"].as_array_mut().expect("bodies");
+        bodies.push(partner(members, radius, fixed));
+        let (report, record) = run(&spec);
+        assert!(
+            report.quality["step_over_critical"].ok,
+            "{fixed:?}: {report:?}"
+        );
+        let found = record.table("bodies.csv").last().expect("a row")[8] / SPEED;
+        assert_close(found, asked, of_one);
+    }
+}
+
+/// The same of one that a stage holds to a velocity, after it was free: what it hits leaves it at this part of
+/// the speed at which it comes.
+#[test]
+fn what_a_stage_drives_is_infinitely_heavy_while_it_does() {
+    let (asked, of_one) = (0.3, BOUNDS[2].2);
+    for members in [&[][..], &[-4e-4, 4e-4]] {
+        let mut spec = bounce("", "linear", asked, "reference", 3e-5);
+        spec["bodies"][0]["velocity_m_per_s"] = json!([0, 0, 0]);
+        let bodies = spec["bodies"].as_array_mut().expect("bodies");
+        bodies.push(partner(members, 0.46 * RADIUS, &[]));
+        spec["stages"] = json!([
+            {"run": {"steps": 3}},
+            {"drive": {"time_s": 4e-4, "flow": true, "bodies": [
+                {"body": 1, "velocity": {"velocity_m_per_s": [0, 0, SPEED]}}]}}]);
+        let (_, record) = run(&spec);
+        let found = record.table("bodies.csv").last().expect("a row")[8] / SPEED - 1.0;
+        assert_close(found, asked, of_one);
+    }
+}
+
+/// Two that slide without friction, hit between the axes: along the normal they part at the speed that is
+/// asked, with 0.36 of 1/m left of the one that moves along x alone.
+#[test]
+fn what_is_held_in_part_counts_with_what_is_left_along_the_normal() {
+    let (asked, of_one) = (0.5, BOUNDS[2].2);
+    let mut spec = bounce("", "linear", asked, "reference", 0.0);
+    let normal = [0.6, 0.8];
+    let mut rail = partner(&[], RADIUS, &["y", "z", "rx", "ry", "rz"]);
+    // 10 µm along the normal before they touch
+    let way = 2.0 * RADIUS + 1e-5;
+    rail["position_m"] = json!([3e-4 - normal[0] * way, 1e-4, RADIUS - normal[1] * way]);
+    spec["bodies"][0]["velocity_m_per_s"] = json!([-normal[0] * SPEED, 0, -normal[1] * SPEED]);
+    spec["bodies"].as_array_mut().expect("bodies").push(rail);
+    spec["record"]["bodies"] = json!([0, 1]);
+    let (_, record) = run(&spec);
+    let rows = record.table("bodies.csv");
+    let [grain, rail] = [2, 1].map(|back| &rows[rows.len() - back]);
+    let parting = normal[0] * (grain[6] - rail[6]) + normal[1] * (grain[8] - rail[8]);
+    assert_close(parting / SPEED, asked, of_one);
+    assert!(rail[6] < 0.0 && rail[8].abs() < 1e-15, "{rail:?}");
+}
+
+/// A light wall that follows forces across the normal alone stands along it.
+#[test]
+fn a_plate_has_its_mass_along_what_it_follows_alone() {
+    let (asked, of_one) = (0.1, BOUNDS[2].2);
+    for at in ["plane", "facets"] {
+        let mut spec = bounce(at, "linear", asked, "reference", 3e-5);
+        let force = json!({"mass_kg": 1e-6, "force_n": [0, 0, 0], "free": ["x"]});
+        spec["stages"] = json!([{"drive": {"time_s": 4e-4, "flow": true,
+            "walls": [{"name": "floor", "force": force}]}}]);
+        let (_, record) = run(&spec);
+        assert_close(rebound(&record), asked, of_one);
+    }
+}

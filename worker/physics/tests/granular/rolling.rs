@@ -244,3 +244,33 @@ fn bonds_do_not_resist_rolling() {
     let pointer = "/spec/materials/stone/rolling_resistance";
     assert_eq!(found, one(pointer, "not_together"));
 }
+
+/// I Δω = −M Δt with the moment M on the floor: what is told is what acts, with its dashpots.
+#[test]
+fn moments_in_the_table_of_contacts_are_those_that_act() {
+    let (spin, step) = (0.01, 1e-5);
+    let resistance =
+        json!({"rolling_friction": 0.5, "twisting_friction": 0.5, "damping_ratio": 0.3});
+    let mut spec = on_plane("linear", &resistance, 0.0, step, 100);
+    spec["bodies"][0]["angular_velocity_rad_per_s"] = json!([0, 0, spin]);
+    spec["laws"]["local_damping"] = json!(0);
+    spec["record"]["contacts"] = json!(true);
+    let (_, record) = run(&spec);
+    let inertia = 0.4 * mass(RADIUS) * RADIUS * RADIUS;
+    let bodies = record.table("bodies.csv");
+    let contacts = record.table("contacts.csv");
+    let mut largest = 0.0_f64;
+    for rows in bodies.windows(2) {
+        let acting = inertia * (rows[1][11] - rows[0][11]) / step;
+        let told = contacts
+            .iter()
+            .find(|row| (row[0] - rows[1][0]).abs() < 0.5);
+        let told = -told.expect("a contact")[16];
+        largest = largest.max(acting.abs());
+        assert_close(told, acting, 1e-9 * largest);
+    }
+    // c ω alone, before the spring is wound up
+    let stiffness = shear_stiffness("linear") * RADIUS * RADIUS;
+    let dashpot = 2.0 * 0.3 * (inertia * stiffness).sqrt();
+    assert!(largest > dashpot * spin, "{largest}");
+}

@@ -25,6 +25,7 @@ use loadframe_api::spec::ballast::{Apparatus, Ballast};
 use loadframe_harness::{Ending, Halt, Recorder, RunContext, SimulationError, plan::first_of};
 use serde::Serialize;
 
+use crate::output::warnings::Fields;
 use crate::repeats::{self, Repeated};
 use crate::stages;
 use tester::Tester;
@@ -94,7 +95,7 @@ fn run_one<A: Tabled>(
 ) -> Result<Ending, SimulationError> {
     let script = spec.script();
     let mut tester = Tester::new(&script, recorder);
-    let run = stages::run::run(&script.scene, context, &mut tester);
+    let run = stages::run::run(&script.scene, Fields::Ballast, context, &mut tester);
     let (ending, journal) = run.inspect_err(|_| tester.keep())?;
     Ok(match ending {
         Ending::Finished(report) => {

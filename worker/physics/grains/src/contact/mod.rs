@@ -21,6 +21,7 @@
 mod blocks;
 pub(crate) mod chosen;
 pub(crate) mod facets;
+pub(crate) mod freedom;
 pub(crate) mod law;
 pub(crate) mod lists;
 mod packed;

@@ -5,7 +5,7 @@ use loadframe_api::spec::granular_scene::{
     step_with_dashpot,
 };
 
-use super::past::Past;
+use super::{freedom::Freedom, past::Past};
 
 /// A material as contacts see it.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +39,8 @@ pub(crate) struct Side {
     pub(crate) is_flat: bool,
     /// Of its body [1/kg]; 0 for one that does not move.
     pub(crate) inverse_mass: f64,
+    /// What is left of it at this contact.
+    pub(crate) freedom: Freedom,
 }
 
 /// What a contact is made of: constants of the law's springs.
@@ -87,6 +89,11 @@ const TURNING: [f64; 2] = [1.4, 0.4];
 /// What two spheres that stick set against motion across the normal, over m*: with I = 2/5 m r² a
 /// force there moves the point of contact by 1/m* (1 + 5/2).
 const STICKING: f64 = 2.0 / 7.0;
+
+/// Freedom of both sides below which a dashpot fades: hardly anything moves along it, as between two that are
+/// held, and the mass that it would be made for grows without limit. A normal is then 6° off an
+/// axis that both are held along.
+const LEAST_FREEDOM: f64 = 0.01;
 
 impl Surface {
     pub(crate) fn new(material: &Material) -> Self {
@@ -194,7 +201,23 @@ impl Side {
             radius: self.radius,
             is_flat: true,
             inverse_mass,
+            freedom: Freedom::WHOLE,
         }
+    }
+
+    /// The same with what is left of its freedom.
+    pub(crate) fn with(self, freedom: Freedom) -> Self {
+        Self { freedom, ..self }
+    }
+
+    /// 1/m* [1/kg] of the two, of each the part that is left; without limit where nothing is.
+    fn moving_with(&self, other: &Self, left: impl Fn(&Freedom) -> f64) -> f64 {
+        let sides = [self, other].map(|side| (side.inverse_mass, left(&side.freedom)));
+        let inverse_mass = sides[0].0 * sides[0].1 + sides[1].0 * sides[1].1;
+        let moving = sides.iter().filter(|(inverse_mass, _)| *inverse_mass > 0.0);
+        let most = moving.map(|(_, left)| *left).fold(0.0, f64::max);
+        // c ∝ 1/√(1/m*), times most/LEAST_FREEDOM
+        inverse_mass * (LEAST_FREEDOM / most).max(1.0).powi(2)
     }
 
     /// 1/r of the surface [1/m].
@@ -236,8 +259,12 @@ impl Side {
         }
         let radius = hertz::effective_radius(self.curvature(), other.curvature());
         let stiffness = rolling.stiffness_ratio * shear * radius * radius;
-        let turning = [self, other].map(|side| side.inverse_mass * side.curvature().powi(2));
-        let turning = turning[0] + turning[1];
+        let turning = [0, 1].map(|way: usize| {
+            let turning = [self, other].map(|side| {
+                side.freedom.turning[way] * (side.inverse_mass * side.curvature().powi(2))
+            });
+            turning[0] + turning[1]
+        });
         let frictions = [rolling.rolling_friction, rolling.twisting_friction];
         // what has no limit above 0 has no spring either
         let springs = frictions.map(|friction| if friction > 0.0 { stiffness } else { 0.0 });
@@ -245,8 +272,8 @@ impl Side {
             stiffness: springs,
             reach: frictions.map(|friction| friction * radius),
             dashpots: [0, 1].map(|way: usize| {
-                if rolling.damping_ratio > 0.0 && turning > 0.0 {
-                    let inertia = TURNING[way] / turning;
+                if rolling.damping_ratio > 0.0 && turning[way] > 0.0 {
+                    let inertia = TURNING[way] / turning[way];
                     2.0 * rolling.damping_ratio * (inertia * springs[way]).sqrt()
                 } else {
                     0.0
@@ -258,11 +285,15 @@ impl Side {
     /// 2 β √(m* k_N) and 2 β_T √(2/7 m* k_T) [N s/m] of the surface that damps more, beside springs of
     /// these stiffnesses [N/m].
     pub(super) fn dashpots_with(&self, other: &Self, stiffness: [f64; 2]) -> [f64; 2] {
-        let inverse_mass = self.inverse_mass + other.inverse_mass;
+        let inverse_masses = [
+            self.moving_with(other, |freedom| freedom.along),
+            self.moving_with(other, |freedom| freedom.across),
+        ];
         let dashpot = |way: usize, stiffness: f64| {
             let [own, others] = [self, other].map(|side| side.surface.damping_ratios[way]);
             let ratio = own.max(others);
-            if ratio > 0.0 && inverse_mass > 0.0 {
+            let inverse_mass = inverse_masses[way];
+            if ratio > 0.0 && inverse_mass > 0.0 && inverse_mass.is_finite() {
                 2.0 * ratio * (stiffness / inverse_mass).sqrt()
             } else {
                 0.0

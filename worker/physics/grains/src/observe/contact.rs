@@ -36,7 +36,7 @@ pub(crate) struct Contact {
     pub(crate) stiffness: [f64; 2],
     /// c_N and c_T of the dashpots [N s/m].
     pub(crate) dashpots: [f64; 2],
-    /// Of the springs against rolling and twisting, on b [N m].
+    /// Of springs and dashpots against rolling and twisting, on b [N m].
     pub(crate) moment: Vector,
     /// k_r and k_t [N m].
     pub(crate) turning_stiffness: [f64; 2],
@@ -128,7 +128,9 @@ impl Engine {
             shear_force: forces.shear,
             stiffness: forces.stiffness,
             dashpots: forces.dashpots,
-            moment: forces.rolling + forces.twisting * normal,
+            moment: forces
+                .moment
+                .unwrap_or_else(|| forces.rolling + forces.twisting * normal),
             turning_stiffness: forces.turning_stiffness,
             turning_dashpots: forces.turning_dashpots,
             compression: forces.compression,

@@ -34,7 +34,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::Contact;
 use crate::{
-    contact::stiffness::Side,
+    contact::{freedom::Freedom, stiffness::Side},
     motion::critical_step,
     scene::model::Model,
     step::{engine::Engine, patch::Patch},
@@ -114,6 +114,14 @@ impl Rows {
         }
         if other.stiffest.0 > self.stiffest.0 {
             self.stiffest = other.stiffest;
+        }
+    }
+
+    /// Dashpots do nothing along degrees of freedom that are held. They are made for the mass that is left
+    /// there, which is larger than the one of these rows.
+    fn hold(&mut self, is_held: impl Fn(usize) -> bool) {
+        for degree in (0..6).filter(|degree| is_held(*degree)) {
+            self.damped[degree / 3][degree % 3] = 0.0;
         }
     }
 
@@ -269,6 +277,8 @@ impl Engine {
                 let turning = radius.powi(2) / model.sphere_inertias[body as usize];
                 let mut row = Rows::default();
                 row.join(&rows[place], freedom, freedom + turning);
+                let fixed = particles.fixed[first + place];
+                row.hold(|degree| fixed >> degree & 1 == 1);
                 add(body, &row);
             }
         }
@@ -280,6 +290,7 @@ impl Engine {
                     let turning = clump.turning(&particles.centres[member]);
                     row.join(&rows[member - first], freedom, freedom + turning);
                 }
+                row.hold(|degree| clump.fixed[degree]);
                 add(clump.body, &row);
             }
         }
@@ -327,6 +338,7 @@ impl Engine {
                     radius,
                     is_flat: false,
                     inverse_mass: 1.0 / clump.mass,
+                    freedom: Freedom::WHOLE,
                 };
                 let stiffness = surface.turning_bound() * (self.law.foreseen)(&own, speed);
                 let freedom = own.inverse_mass + clump.turning_by(offset, radius) + plate;

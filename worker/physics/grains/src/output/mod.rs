@@ -13,4 +13,4 @@ pub(crate) mod snapshot;
 mod table;
 pub(crate) mod tables;
 pub(crate) mod voids;
-mod warnings;
+pub(crate) mod warnings;

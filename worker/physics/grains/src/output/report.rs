@@ -4,7 +4,7 @@ use loadframe_harness::ReportBuilder;
 
 use super::{
     journal::{Journal, Worst},
-    warnings::warn,
+    warnings::{Fields, warn},
 };
 use crate::{numbers::Vector, step::engine::Engine};
 
@@ -23,12 +23,17 @@ const LARGEST_INERTIAL_NUMBER: f64 = 1e-3;
 /// Mean unbalanced force ratio of driven stages beyond which their forces are those of motion.
 const LARGEST_UNBALANCED: f64 = 0.1;
 
-pub(crate) fn report(spec: &GranularScene, engine: &Engine, journal: &Journal) -> Report {
+pub(crate) fn report(
+    spec: &GranularScene,
+    engine: &Engine,
+    journal: &Journal,
+    fields: Fields,
+) -> Report {
     let escaped = engine.escaped_bodies();
     let mut report = ReportBuilder::new("stages_done");
     results(&mut report, engine, journal, escaped.len());
     checks(&mut report, spec, engine, journal);
-    warn(&mut report, spec, engine, journal, &escaped);
+    warn(&mut report, spec, engine, journal, &escaped, fields);
     for (name, count) in [
         ("steps", engine.state.step),
         (

@@ -50,7 +50,7 @@ const CONTACT_COLUMNS: [&str; 14] = [
     "bonded",
 ];
 
-/// Moment of the springs against rolling and twisting on the second body, where there are any.
+/// Moment of what resists rolling and twisting, springs and dashpots, on the second body, where there is any.
 const MOMENT_COLUMNS: [&str; 3] = ["m_x_n_m", "m_y_n_m", "m_z_n_m"];
 
 /// A row of the curve. Unknown readings are left at 0.

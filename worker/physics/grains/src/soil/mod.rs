@@ -18,6 +18,7 @@ use loadframe_harness::{
 };
 use serde::Serialize;
 
+use crate::output::warnings::Fields;
 use crate::repeats::{self, Repeated};
 use crate::stages;
 use tester::Tester;
@@ -98,7 +99,7 @@ fn run_one<T: Measured>(
 ) -> Result<Ending, SimulationError> {
     let script = spec.script();
     let mut tester = Tester::new(&spec.test, &script, recorder);
-    let (ending, _) = stages::run::run(&script.scene, context, &mut tester)?;
+    let (ending, _) = stages::run::run(&script.scene, Fields::Soil, context, &mut tester)?;
     Ok(match ending {
         Ending::Finished(scene) => {
             let mut report = conclude(&spec.test, scene, &mut tester)?;

@@ -17,7 +17,7 @@ impl Runner<'_> {
     /// was begun goes on at the speeds it had.
     pub(crate) fn begin_drives(&mut self, stage: &Stage) {
         let goes_on = self.journal.stage_steps > 0;
-        let plates = self.engine.plates();
+        let plates = (self.engine.plates(), self.engine.walls_held());
         for wall in 0..self.engine.wall_count() {
             let motion = self.engine.wall_motion(wall);
             motion.load = None;
@@ -50,7 +50,7 @@ impl Runner<'_> {
             Stage::Drive(drive) => self.begin_drive(drive),
             _ => {}
         }
-        if self.engine.plates() != plates {
+        if (self.engine.plates(), self.engine.walls_held()) != plates {
             // contacts are told what follows their forces when they are listed
             self.engine.drop_lists();
         }
@@ -211,9 +211,14 @@ impl Engine {
         });
         let mut clumps = state.clumps.iter_mut();
         if let Some(clump) = clumps.find(|clump| clump.body == driven.body) {
+            let fixed = clump.fixed;
             for (axis, given) in given.into_iter().enumerate() {
                 clump.fixed[axis] = given.is_some();
                 clump.velocity[axis] = given.unwrap_or(clump.velocity[axis]);
+            }
+            if clump.fixed != fixed && self.model.is_viscous {
+                // dashpots are made for the mass that is free to move
+                self.drop_lists();
             }
             return;
         }
@@ -236,7 +241,7 @@ impl Engine {
         };
         if particles.fixed[particle] != fixed {
             particles.fixed[particle] = fixed;
-            // patches know which of their spheres are fixed in part
+            // patches know which of their spheres are fixed in part, dashpots what is free to move
             self.drop_lists();
         }
     }

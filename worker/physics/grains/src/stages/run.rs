@@ -4,7 +4,9 @@ use loadframe_harness::{Ending, Halt, Interrupt, Recorder, RunContext, Simulatio
 use loadframe_numerics::Team;
 
 use super::runner::Runner;
-use crate::output::{errors, fragments, journal::Journal, report, snapshot, tables, voids};
+use crate::output::{
+    errors, fragments, journal::Journal, report, snapshot, tables, voids, warnings::Fields,
+};
 
 /// Draws the scene of `spec` before its first step.
 pub(crate) fn preview(
@@ -19,9 +21,11 @@ pub(crate) fn preview(
     Ok(())
 }
 
-/// Runs the scene of `spec`; returns its journal as well, for tests in terms of their own.
+/// Runs the scene of `spec`, which is made of what has these `fields`; returns its journal as well, for
+/// tests in terms of their own.
 pub(crate) fn run(
     spec: &GranularScene,
+    fields: Fields,
     context: RunContext<'_>,
     recorder: &mut dyn Recorder,
 ) -> Result<(Ending, Journal), SimulationError> {
@@ -106,7 +110,7 @@ pub(crate) fn run(
     let has_walls = runner.engine.wall_count() > 0;
     snapshot::write_series(&runner.journal, has_walls, recorder)?;
     recorder.progress(1.0, "finished");
-    let mut report = report::report(spec, &runner.engine, &runner.journal);
+    let mut report = report::report(spec, &runner.engine, &runner.journal, fields);
     if let Some(words) = errors::add(&mut report, spec, &runner.engine, &runner.journal) {
         recorder.log(&words);
     }

@@ -393,12 +393,14 @@ impl Engine {
 
     pub(crate) fn list_with(&mut self, memories: &Memories) {
         let (plates, followers) = (self.plates(), self.followers());
+        let walls_held = self.walls_held();
         let state = &mut self.state;
         // in the old order, as the way is measured from
         state.skin.renew(&state.particles.centres);
         if state.lists.is_multiple_of(LISTS_PER_SORT) {
             listing::sort(&mut state.particles, &mut state.clumps);
         }
+        let held = listing::sides::held(&state.particles, &state.clumps);
         let skin = state.skin.width;
         let facets = &self.model.facets;
         if !facets.facets.is_empty() {
@@ -410,7 +412,9 @@ impl Engine {
         let listing = Listing {
             law: &self.law,
             model: &self.model,
+            held: &held,
             plates: &plates,
+            walls_held: &walls_held,
             followers: &followers,
             faces: &state.faces,
             poses: &state.poses,

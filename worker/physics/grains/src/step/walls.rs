@@ -2,7 +2,7 @@
 use loadframe_api::surface::Point;
 
 use super::engine::Engine;
-use crate::walls::motion::WallMotion;
+use crate::{contact::freedom::ROTATIONS, walls::motion::WallMotion};
 
 impl Engine {
     /// Number of a wall, planes before meshes.
@@ -41,6 +41,19 @@ impl Engine {
         let loads = walls.map(|wall| self.motion_of(wall).load);
         loads
             .map(|load| load.map_or(0.0, |load| 1.0 / load.mass))
+            .collect()
+    }
+
+    /// Bits of the degrees of freedom that each wall does not follow forces along now.
+    pub(crate) fn walls_held(&self) -> Vec<u8> {
+        let walls = 0..self.wall_count();
+        let loads = walls.map(|wall| self.motion_of(wall).load);
+        loads
+            .map(|load| {
+                let is_held = |axis: usize| load.is_none_or(|load| !load.free[axis]);
+                let bits = (0..3).map(|axis| u8::from(is_held(axis)) << axis);
+                ROTATIONS + bits.sum::<u8>()
+            })
             .collect()
     }
 

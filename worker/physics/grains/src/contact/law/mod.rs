@@ -54,6 +54,8 @@ pub(crate) struct ContactForces {
     /// Moments on b of the springs against rolling and, along the normal, twisting [N m].
     pub(crate) rolling: Vector,
     pub(crate) twisting: f64,
+    /// Moment on b of these and of dashpots beside them, where there may be such [N m].
+    pub(crate) moment: Option<Vector>,
     /// k_r and k_t [N m].
     pub(crate) turning_stiffness: [f64; 2],
     /// c_r and c_t [N m s].

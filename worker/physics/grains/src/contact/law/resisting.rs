@@ -16,7 +16,7 @@
 //!   M_r ← M_r − c_r ω_r, |M_r| ≤ μ_r R F_N; along the normal alike (G.30)
 //!   c = 2 η √(I k), 1/I = Σ 1/(7/5 m r²) for rolling, Σ 1/(2/5 m r²) for twisting
 //!
-//! where the sum over the bodies leaves walls out and what cannot move. What is remembered is the
+//! where the sum over the bodies leaves walls out and what cannot turn (G.35). What is remembered is the
 //! spring alone, and the cut takes the sum to the nearest moment within the limit: the dashpot never
 //! gives energy, and a contact that yields has its limit and no more. Spins are those of half a step ago. For clumps,
 //! whose inertia depends on the axis, I is an estimate.
@@ -57,6 +57,8 @@ pub(crate) struct Resisting<F: Law> {
     twisting: Array,
     /// k_T over its constant in the last step: 1 for linear springs, √δ for Hertz's.
     softness: Array,
+    /// Moment of springs and dashpots on b in the last step [N m].
+    moment: [Array; 3],
 }
 
 impl<F: Law> Resisting<F> {
@@ -143,8 +145,11 @@ impl<F: Law> Law for Resisting<F> {
 
         let rolling = cut(simd, rolling - across.scaled(drag), limit);
         let twisting = cut_along(twisting - along * twist_drag, twist_limit);
+        let moment = rolling + touch.normal.scaled(twisting);
+        let told = moment.only_if(touch.is_touching, Vectors::zero(simd));
+        told.store(&mut self.moment, part);
         Push {
-            moment: Some(rolling + touch.normal.scaled(twisting)),
+            moment: Some(moment),
             ..push
         }
     }
@@ -158,6 +163,7 @@ impl<F: Law> Law for Resisting<F> {
         ask_all(&self.rolling);
         ask(&self.twisting);
         ask(&self.softness);
+        ask_all(&self.moment);
     }
 
     #[inline(always)]
@@ -167,6 +173,7 @@ impl<F: Law> Law for Resisting<F> {
         Vectors::zero(simd).store(&mut self.rolling, part);
         none.store(&mut self.twisting, part);
         none.store(&mut self.softness, part);
+        Vectors::zero(simd).store(&mut self.moment, part);
     }
 }
 
@@ -201,6 +208,7 @@ impl<F: Law> Lanewise for Resisting<F> {
         ContactForces {
             rolling: Vector::from(self.rolling.map(|array| array[lane])),
             twisting: self.twisting[lane],
+            moment: Some(Vector::from(self.moment.map(|array| array[lane]))),
             turning_stiffness: self.stiffness.map(|array| root * root * array[lane]),
             turning_dashpots: self.dashpots.map(|array| root * array[lane]),
             ..self.law.forces(lane, spring)
@@ -215,6 +223,7 @@ impl<F: Law> Lanewise for Resisting<F> {
         columns.all_numbers(&mut self.rolling);
         columns.numbers(&mut self.twisting);
         columns.numbers(&mut self.softness);
+        columns.all_numbers(&mut self.moment);
     }
 }
 
@@ -287,6 +296,31 @@ mod tests {
             (past.rolling - expected).norm() < 0.06 * 1e-2,
             "{past:?} {expected:?}"
         );
+    }
+
+    /// M = −(k Δt + c) ω: what observers are told has the dashpots in it, what is remembered has not.
+    #[test]
+    fn moments_are_told_with_their_dashpots() {
+        let mut law = Resisting::<Coulomb<Linear, Kept>>::default();
+        (law.stiffness[0][0], law.stiffness[1][0]) = (20.0, 30.0);
+        (law.dashpots[0][0], law.dashpots[1][0]) = (4e-3, 7e-3);
+        (law.reach[0][0], law.reach[1][0]) = (1.0, 1.0);
+        let normal = Vector::new(0.0, 0.0, 1.0);
+        step(
+            &mut law,
+            normal,
+            [Vector::zeros(), Vector::new(3.0, 0.0, 5.0)],
+        );
+        let spring = Spring {
+            constant: 1e6,
+            shear_ratio: 0.3,
+            overlap: 1e-5,
+            reach: 0.02,
+        };
+        let told = law.forces(0, &spring).moment.expect("moments");
+        let expected = Vector::new(-(2e-3 + 4e-3) * 3.0, 0.0, -(3e-3 + 7e-3) * 5.0);
+        assert!((told - expected).norm() < 1e-16, "{told:?}");
+        assert!((law.past(0).twisting + 3e-3 * 5.0).abs() < 1e-16);
     }
 
     #[test]

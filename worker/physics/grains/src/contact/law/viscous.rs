@@ -21,7 +21,8 @@
 //! many contacts at once each has its own dashpot. The spheres part when they no longer overlap: just
 //! before, the dashpot pulls a little, as the closed form supposes. Sliding is limited by the force
 //! of the spring alone, which is never negative. A body that cannot move counts as infinitely heavy, a
-//! clump's member with the mass of its clump.
+//! clump's member with the mass of its clump, and what is held in part with what is left of its
+//! freedom along the normal and across it (G.35).
 //!
 //! *Across* the normal, beside a law with friction: what sticks would ring on its shear spring.
 //!

@@ -1,5 +1,6 @@
 //! Making the lists of candidates: order, patches, pairs, walls, facets; the past of contacts is kept.
 pub(crate) mod memories;
+pub(crate) mod sides;
 
 use std::ops::Range;
 
@@ -12,13 +13,7 @@ use super::{
     patch::{Incoming, Patch},
 };
 use crate::{
-    contact::{
-        WATCHES,
-        chosen::Chosen,
-        lists::Lists,
-        past::Past,
-        stiffness::{Side, Springs},
-    },
+    contact::{WATCHES, chosen::Chosen, lists::Lists, past::Past, stiffness::Springs},
     geometry::neighbours::{
         grid::{Candidates, candidates},
         order::along_curve,
@@ -96,9 +91,13 @@ pub(crate) struct Listing<'a> {
     /// Prepared for these particles and this skin, where there are facets.
     pub(crate) search: &'a Search,
     pub(crate) particles: &'a Particles,
+    /// Bits of the degrees of freedom that are held now of each particle's body.
+    pub(crate) held: &'a [u8],
     pub(crate) memories: &'a Memories,
     /// 1/m of each wall that follows forces now [1/kg], 0 of the others.
     pub(crate) plates: &'a [f64],
+    /// Bits of the degrees of freedom that each wall does not follow forces along.
+    pub(crate) walls_held: &'a [u8],
     /// Walls whose contacts are added up.
     pub(crate) followers: &'a [bool],
     /// What tan φ of new contacts is multiplied with, where others keep theirs.
@@ -224,15 +223,6 @@ impl Listing<'_> {
         (patches, contact_lists)
     }
 
-    /// 1/m of a wall at a dashpot [1/kg].
-    fn freedom_of(&self, wall: usize) -> f64 {
-        if self.model.is_viscous {
-            self.plates[wall]
-        } else {
-            0.0
-        }
-    }
-
     fn may_touch_wall(&self, body: usize, wall: usize) -> bool {
         let wall = self.model.masses.len() + wall;
         self.model.touching.may_touch(body, wall)
@@ -260,12 +250,17 @@ impl Listing<'_> {
         for pairs in [held, apart] {
             for (a, b) in pairs {
                 let past = past(a, b);
-                let springs = (self.law.springs)(&self.side(a), &self.side(b));
+                let (own, other) = (self.side(a), self.side(b));
+                let springs = (self.law.springs)(&own, &other);
                 let springs = self.rubbed(springs, past.as_ref());
                 let pair = [a as u32, b as u32];
                 let radii = pair.map(|particle| self.radius(particle as usize));
                 let held = springs.held(past.as_ref());
                 filling.see(self, pair, None, radii[0].min(radii[1]), &held);
+                let springs =
+                    self.held_back(springs, [own, other], [self.held[a], self.held[b]], || {
+                        self.between(a, b)
+                    });
                 let lists = &mut *filling.lists;
                 if range.contains(&b) {
                     lists.add_inner(pair, &springs, past.as_ref());
@@ -290,17 +285,6 @@ impl Listing<'_> {
         }
     }
 
-    /// What a particle brings to a contact.
-    fn side(&self, particle: usize) -> Side {
-        let particles = self.particles;
-        Side {
-            surface: self.model.surfaces[usize::from(particles.surfaces[particle])],
-            radius: particles.centres[particle].0[3],
-            is_flat: false,
-            inverse_mass: self.model.inverse_mass(particles.owners[particle] as usize),
-        }
-    }
-
     fn is_touching(&self, a: usize, b: usize) -> bool {
         let [a, b] = [a, b].map(|particle| &self.particles.centres[particle]);
         a.overlap(b) >= 0.0
@@ -320,8 +304,10 @@ impl Listing<'_> {
                 let springs = (self.law.springs)(&own, &wall);
                 let past = (self.memories).wall(self.particles.numbers[particle], number as u32);
                 let springs = self.rubbed(springs, past.as_ref());
+                let held = [self.held[particle], self.walls_held[number]];
                 let particle = particle as u32;
                 filling.see(self, [particle; 2], Some(number), radius, &springs);
+                let springs = self.held_back(springs, [own, wall], held, || face.normal().into());
                 (filling.lists).add_plane(number, particle, &springs, past.as_ref());
             }
         }
@@ -347,18 +333,20 @@ impl Listing<'_> {
             let number = self.particles.numbers[particle];
             near.clear();
             near.extend(found.iter().map(|facet| {
-                let mesh = &facets.meshes[facets.facets[*facet as usize].mesh as usize];
-                let freedom =
-                    self.freedom_of(wall_of(facets.facets[*facet as usize].mesh as usize));
-                let mut wall = own.wall(self.model.surfaces[mesh.surface], freedom);
-                wall.radius *= facets.radius_ratio;
+                let wall = self.facet_side(&own, facets.facets[*facet as usize].mesh as usize);
                 let springs = (self.law.springs)(&own, &wall);
                 let past = self.memories.facet(number, *facet);
                 (*facet, self.rubbed(springs, past.as_ref()), past)
             }));
-            for (facet, springs, _) in &near {
-                let wall = Some(wall_of(facets.facets[*facet as usize].mesh as usize));
-                filling.see(self, [particle as u32; 2], wall, sphere.0[3], springs);
+            for (facet, springs, _) in &mut near {
+                let mesh = facets.facets[*facet as usize].mesh as usize;
+                let wall = wall_of(mesh);
+                filling.see(self, [particle as u32; 2], Some(wall), sphere.0[3], springs);
+                let held = [self.held[particle], self.walls_held[wall]];
+                let sides = [own, self.facet_side(&own, mesh)];
+                *springs = self.held_back(*springs, sides, held, || {
+                    facets.towards(self.poses, sphere, *facet).into()
+                });
             }
             filling.lists.add_facets(particle as u32, &near);
         }

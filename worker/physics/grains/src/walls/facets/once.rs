@@ -80,6 +80,24 @@ impl Facets {
         })
     }
 
+    /// Unit vector from a sphere's centre to the nearest point of a facet, also of one that it does not reach.
+    pub(crate) fn towards(&self, poses: &[Pose], sphere: &Row, number: u32) -> Point {
+        let facet = &self.facets[number as usize];
+        let pose = &poses[facet.mesh as usize];
+        let [x, y, z, _] = sphere.0;
+        let centre = pose.to_local(&[x, y, z]);
+        let closest = closest_point(&facet.corners, &centre);
+        let way = minus(&closest.position, &centre);
+        let distance = length(&way);
+        // a centre in the plane of the triangle has no direction to its face
+        let normal = if closest.is_on_face() || distance <= 0.0 {
+            facet.normal
+        } else {
+            way.map(|part| part / distance)
+        };
+        pose.direction(&normal)
+    }
+
     /// Finds who takes whose place among the triangles that a sphere of radius `radius` [m] reaches:
     /// the first that is nearer to its centre and has the point in question.
     pub(crate) fn settle(&self, poses: &[Pose], near: &mut [Near], radius: f64) {
