@@ -221,6 +221,16 @@ impl Material {
         self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0
     }
 
+    /// The same with `factor` times its moduli, cement's too: what a stage `stiffen` multiplies.
+    #[must_use]
+    pub fn softened(mut self, factor: f64) -> Self {
+        self.youngs_modulus_pa *= factor;
+        if let Some(bond) = &mut self.parallel_bond {
+            bond.youngs_modulus_pa *= factor;
+        }
+        self
+    }
+
     /// ν of the solid.
     pub fn poisson_ratio(&self) -> f64 {
         self.poisson_ratio.unwrap_or(POISSON_RATIO)
