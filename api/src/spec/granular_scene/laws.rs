@@ -108,7 +108,7 @@ pub enum ContactFriction {
     Renewed,
     /// A contact keeps the friction that it began with until it opens, as in Yade, where materials that
     /// change do not reach it. One that opens and closes again between two searches for neighbours counts
-    /// as one that stayed.
+    /// as one that stayed; one that goes on at another triangle is the same where both are of one material.
     Kept,
 }
 
