@@ -17,8 +17,8 @@ pub struct Knobs {
     /// Moduli of all materials during the test, over those that are given.
     #[schemars(range(min = 1e-9, max = 1.0), extend("x-unit" = "1"))]
     pub stiffness: f64,
-    /// The aggregate's modulus while the bed is prepared, if that of the test is higher; walls are
-    /// softened with it. All grow to those of the test before it is loaded.
+    /// The aggregate's modulus while the bed is prepared, if that of the test is higher; walls and
+    /// cement are softened with it. All grow to those of the test before it is loaded.
     #[schemars(range(min = 1e3, max = 1e15), extend("x-unit" = "Pa"))]
     pub preparation_modulus_pa: f64,
     /// I that sets the period of a cycle where none is given.

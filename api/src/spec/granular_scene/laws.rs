@@ -108,7 +108,7 @@ pub enum ContactFriction {
     Renewed,
     /// A contact keeps the friction that it began with until it opens, as in Yade, where materials that
     /// change do not reach it. One that opens and closes again between two searches for neighbours counts
-    /// as one that stayed.
+    /// as one that stayed; one that goes on at another triangle is the same where both are of one material.
     Kept,
 }
 
@@ -219,6 +219,16 @@ impl Material {
     /// Whether they are bonded by cohesion, without moments.
     pub fn has_cohesion(&self) -> bool {
         self.normal_cohesion_pa > 0.0 || self.shear_cohesion_pa > 0.0
+    }
+
+    /// The same with `factor` times its moduli, cement's too: what a stage `stiffen` multiplies.
+    #[must_use]
+    pub fn softened(mut self, factor: f64) -> Self {
+        self.youngs_modulus_pa *= factor;
+        if let Some(bond) = &mut self.parallel_bond {
+            bond.youngs_modulus_pa *= factor;
+        }
+        self
     }
 
     /// ν of the solid.

@@ -27,7 +27,8 @@ pub struct Place {
     #[schemars(extend("enum" = [1, -1]))]
     pub side: i8,
     /// Given, a wall rests there with its weight from then on: it has this mass, and follows
-    /// gravity and what touches it along the axis in every stage that does not drive it.
+    /// gravity and what touches it along the axis in every stage that does not drive it. Stages change
+    /// nothing of its speed; after one that drives it, or a `relax`, it starts at rest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1e-12, max = 1e12), extend("x-unit" = "kg"))]
     pub mass_kg: Option<f64>,

@@ -28,7 +28,7 @@ impl Studied for GranularScene {
             // a given time step would become needlessly small for softened materials
             knobs.push(finer(
                 "stiffness",
-                "a factor on the Young's modulus of all materials, a number above 0",
+                "a factor on the Young's modulus of all materials and their cement, a number above 0",
                 1.0,
                 &SOFTENINGS,
             ));
@@ -61,7 +61,7 @@ impl Studied for GranularScene {
             }
             "stiffness" if number > 0.0 && number.is_finite() => {
                 for material in self.materials.values_mut() {
-                    material.youngs_modulus_pa *= number;
+                    *material = material.clone().softened(number);
                 }
                 let planes = self.planes.iter_mut();
                 for stiffness in planes.filter_map(|plane| plane.contact_stiffness_n_per_m.as_mut())
@@ -187,6 +187,27 @@ mod tests {
         assert_eq!((moved.velocity_m_per_s, moved.time_s), (-0.4, Some(0.5)));
         let sine = drive.walls[0].sine.expect("a sine");
         assert_eq!((sine.frequency_hz, drive.steps), (8.0, Some(250)));
+    }
+
+    #[test]
+    fn cement_is_softened_with_its_material() {
+        let body = r#"{"kind": "granular_scene", "spec": {"version": 1,
+            "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7,
+                "parallel_bond": {"youngs_modulus_pa": 3e6, "tensile_strength_pa": 1e5,
+                    "shear_strength_pa": 1e5}}},
+            "bodies": [{"sphere": {"radius_m": 0.01}, "material": "stone", "position_m": [0, 0, 0]}],
+            "stages": [{"run": {"time_s": 0.5}}]}}"#;
+        let mut spec = example(body);
+        spec.turn("stiffness", "0.25").expect("a factor");
+        let JobSpec::GranularScene(scene) = spec else {
+            panic!("another kind")
+        };
+        let stone = &scene.materials["stone"];
+        let bond = stone.parallel_bond.expect("cement");
+        assert_eq!(stone.youngs_modulus_pa, 2.5e6);
+        assert_eq!(bond.youngs_modulus_pa, 7.5e5);
+        // strengths are no moduli
+        assert_eq!(bond.tensile_strength_pa, 1e5);
     }
 
     #[test]

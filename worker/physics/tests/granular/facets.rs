@@ -155,6 +155,52 @@ fn walls_that_go_on_in_other_walls_are_one_plane() {
     assert_same_motion(&on_facets, &on_plane, 100.0 * ROUND_OFF);
 }
 
+/// A block that slides from where nearly nothing rubs: what its contact keeps of that goes along from triangle
+/// to triangle, but not to another material.
+#[test]
+fn friction_that_is_kept_goes_from_triangle_to_triangle() {
+    let mut block = sphere("stone", RADIUS, [0.003, 0.002, 0.0], [1.0, 0.0, 0.0]);
+    let weight = 2600.0 * 4.0 / 3.0 * std::f64::consts::PI * RADIUS.powi(3) * 9.81;
+    block["position_m"][2] = json!(RADIUS - weight / STIFFNESS);
+    block["fixed"] = json!(["rx", "ry", "rz"]);
+    let half = |low: f64, high: f64| {
+        [
+            [[low, -1.0, 0.0], [high, -1.0, 0.0], [high, 1.0, 0.0]],
+            [[low, -1.0, 0.0], [high, 1.0, 0.0], [low, 1.0, 0.0]],
+        ]
+    };
+    let mut other = mesh("before", &half(0.02, 1.0));
+    let halves = json!([mesh("behind", &half(-1.0, 0.02)), other.clone()]);
+    other["material"] = json!("slab");
+    let materials = json!([mesh("behind", &half(-1.0, 0.02)), other]);
+    let (kept, renewed, slab) = (0.25 * 0.4_f64.tan(), 0.4_f64.tan(), 0.2_f64.tan());
+    for (law, planes, facets, friction) in [
+        ("kept", base(), json!([]), kept),
+        ("kept", json!([]), json!([mesh("floor", &floor(30))]), kept),
+        ("kept", json!([]), halves, kept),
+        ("kept", json!([]), materials.clone(), slab),
+        ("renewed", json!([]), materials, slab),
+        (
+            "renewed",
+            json!([]),
+            json!([mesh("floor", &floor(30))]),
+            renewed,
+        ),
+    ] {
+        let mut spec = scene(&block, &planes, &facets, 10_000);
+        spec["materials"]["slab"] = spec["materials"]["stone"].clone();
+        spec["materials"]["slab"]["friction_angle_rad"] = json!(0.2);
+        spec["laws"]["contact_friction"] = json!(law);
+        spec["stages"] = json!([
+            {"drive": {"friction_factor": 0.25, "steps": 200}}, {"run": {"steps": 9800}}]);
+        let (_, record) = run(&spec);
+        let velocity = |step| super::body(&record, step, 0)[1][0];
+        // from where it is on the second half
+        let slowing = (velocity(5000) - velocity(10_000)) / 0.05;
+        assert_close(slowing, 9.81 * friction, 1e-6 * 9.81);
+    }
+}
+
 /// Contacts of body 0 in the first recorded step.
 fn first_contacts(
     position: [f64; 3],

@@ -150,3 +150,77 @@ fn what_cannot_be_set_down_or_stiffened_is_refused() {
     let violations = submission(&hertz).expect_err("Hertz's contacts keep their modulus");
     assert_eq!(violations[0].code, "not_together");
 }
+
+/// Step of plates that fall [s].
+const STEP_S: f64 = 1e-5;
+
+/// What a plate of 0.2 kg on a sphere does in these stages after it was set down, in steps of [`STEP_S`].
+fn plate(stages: &[Value]) -> Value {
+    let placed = json!({"place": {"wall": "lid", "mass_kg": 0.2}});
+    let stages: Vec<Value> = std::iter::once(placed)
+        .chain(stages.iter().cloned())
+        .collect();
+    let mut spec = resting(json!(stages));
+    spec["laws"]["local_damping"] = json!(0.0);
+    spec["time_step_s"] = json!(STEP_S);
+    spec
+}
+
+/// How far the plate came from where it was set down [m].
+fn plate_way(spec: &Value) -> f64 {
+    let (report, record) = run(spec);
+    let created = &report.quality["created_energy_ratio"];
+    assert!(created.ok, "{created:?}");
+    *record.column("lid_displacement_z_m").last().expect("rows") + 1.0 - 2.0 * RADIUS
+}
+
+/// Free fall over so many steps from rest [m]: the velocity of a step is that after it, so g Δt² Σ n.
+fn fall(steps: f64) -> f64 {
+    0.5 * 10.0 * STEP_S * STEP_S * steps * (steps + 1.0)
+}
+
+/// The floor drops away at 3 m/s, and all falls freely, whatever the stages are called on the way.
+#[test]
+fn a_plate_falls_through_stages_as_through_one() {
+    let away = |steps: u32| json!({"move_plane": {"name": "base", "velocity_m_per_s": -3, "steps": steps}});
+    let waits = json!({"run": {"steps": 2500}});
+    let several = plate(&[
+        away(5000),
+        away(5000),
+        waits.clone(),
+        json!({"cut": {"axis": "z", "above_m": 10}}),
+        json!({"stiffen": {"factor": 2, "steps": 2500}}),
+        waits.clone(),
+        waits,
+    ]);
+    for spec in [plate(&[away(20_000)]), several.clone()] {
+        assert_close(plate_way(&spec), -fall(20_000.0), 1e-11);
+    }
+    super::determinism::assert_resumes(&several, 3);
+    // set down anew it stands, and falls from there
+    let anew = json!({"place": {"wall": "lid", "mass_kg": 0.2}});
+    let spec = plate(&[away(10_000), anew, json!({"run": {"steps": 100}})]);
+    assert_close(plate_way(&spec), -fall(10_000.0) - fall(100.0), 1e-11);
+    // what was moved stands when it is let go
+    let up = json!({"move_plane": {"name": "lid", "velocity_m_per_s": 1, "steps": 30_000}});
+    let spec = plate(&[up, json!({"run": {"steps": 10_000}})]);
+    assert_close(plate_way(&spec), 0.3 - fall(10_000.0), 1e-11);
+}
+
+/// A plate on a sphere that is held is a mass on the spring k = E r, x = mg/k (1 − cos ωt).
+#[test]
+fn a_plate_swings_through_stages_as_through_one() {
+    let omega = (1e6 * RADIUS / 0.2_f64).sqrt();
+    let steps = (std::f64::consts::PI / (omega * STEP_S)).round() as u32;
+    let quarter = steps / 4;
+    let rest = json!({"run": {"steps": steps - 3 * quarter}});
+    let part = json!({"run": {"steps": quarter}});
+    let deepest = -2.0 * 0.2 * 10.0 / (1e6 * RADIUS);
+    let whole = json!({"run": {"steps": steps}});
+    for stages in [vec![whole], vec![part.clone(), part.clone(), part, rest]] {
+        let mut spec = plate(&stages);
+        spec["bodies"][0]["fixed"] = json!(["x", "y", "z", "rx", "ry", "rz"]);
+        // a step is 1/450 of the swing
+        assert_close(plate_way(&spec), deepest, 1e-4 * -deepest);
+    }
+}

@@ -49,10 +49,7 @@ impl<A: Apparatus> Ballast<A> {
         let softened = knobs.stiffness * self.softening();
         let materials: BTreeMap<_, _> = materials
             .named()
-            .map(|(name, mut material)| {
-                material.youngs_modulus_pa *= softened;
-                (name.to_owned(), material)
-            })
+            .map(|(name, material)| (name.to_owned(), material.softened(softened)))
             .collect();
         let preparation = &self.preparation;
         let spheres_first = self.spheres_first();
@@ -167,6 +164,73 @@ impl<A: Apparatus> Ballast<A> {
                 script.stages_before(Phase::Load).saturating_sub(1),
                 script.scene.stages.len().saturating_sub(1),
             ],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        JobSpec, Submission,
+        spec::granular_scene::{GranularScene, Stage},
+    };
+
+    /// The scene of a test of cemented grains on a mat, whose moduli are 10¹⁰ and 2·10⁹ Pa.
+    fn scene(accuracy: &str) -> GranularScene {
+        let body = format!(
+            r#"{{"kind": "ballast_box", "spec": {{"version": 1,
+            "materials": {{
+                "aggregate": {{"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e10,
+                    "parallel_bond": {{"youngs_modulus_pa": 2e9, "tensile_strength_pa": 1e9,
+                        "shear_strength_pa": 1e9}}}},
+                "mat": {{"contact_stiffness_n_per_m": 2.54e6}}}},
+            "grains": {{"shape": {{"breakable": {{"members": [
+                {{"offset_m": [0, 0, 0.018], "radius_m": 0.02}},
+                {{"offset_m": [0, 0, -0.018], "radius_m": 0.02}}]}}}}}},
+            "accuracy": {accuracy}}}}}"#
+        );
+        match Submission::from_slice(body.as_bytes()) {
+            Ok(Submission {
+                spec: JobSpec::BallastBox(spec),
+                ..
+            }) => spec.script().scene,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn softened_times_stiffened_is_what_is_given_for_every_modulus() {
+        let accuracies = [
+            (r#""draft""#, 1e8, 1.0),
+            (r#""standard""#, 1e9, 1.0),
+            (r#""reference""#, 1e10, 1.0),
+            (
+                r#"{"stiffness": 0.5, "preparation_modulus_pa": 1e8}"#,
+                1e8,
+                0.5,
+            ),
+        ];
+        for (accuracy, prepared, stiffness) in accuracies {
+            let scene = scene(accuracy);
+            let factors = scene.stages.iter().filter_map(|stage| match stage {
+                Stage::Stiffen(stiffen) => Some(stiffen.factor),
+                _ => None,
+            });
+            let factor: f64 = factors.product();
+            let aggregate = &scene.materials["aggregate"];
+            let cement = aggregate.parallel_bond.expect("it is cemented");
+            let mat = (scene.planes.iter()).find_map(|plane| plane.contact_stiffness_n_per_m);
+            let is = |value: f64, expected: f64| (value / expected - 1.0).abs() < 1e-12;
+            assert!(is(aggregate.youngs_modulus_pa, prepared), "{accuracy}");
+            for (softened, given) in [
+                (aggregate.youngs_modulus_pa, 1e10),
+                (cement.youngs_modulus_pa, 2e9),
+                (scene.materials["steel"].youngs_modulus_pa, 1e11),
+                (mat.expect("a mat"), 2.54e6),
+            ] {
+                let tested = softened * factor;
+                assert!(is(tested, stiffness * given), "{accuracy}: {tested}");
+            }
         }
     }
 }

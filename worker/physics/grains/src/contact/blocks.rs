@@ -117,6 +117,12 @@ impl<E: Ends, F: Law> Blocks<E, F> {
         self.state.tangents.rub(factor);
     }
 
+    /// Gives the candidate at one place tan φ of that at another, block by block.
+    pub(super) fn hand_friction(&mut self, from: usize, to: usize) {
+        let [from, to] = [from, to].map(|place| (place / LANES, place % LANES));
+        self.state.tangents.hand_friction(from, to);
+    }
+
     /// Shows the contacts that touched in the last step; `of` tells who is in a lane.
     pub(super) fn see(&self, observer: &mut Observer<'_>, of: impl Fn(&E, usize) -> Who) {
         let blocks = self.blocks.iter().zip(&self.state.touching);

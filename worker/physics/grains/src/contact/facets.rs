@@ -31,7 +31,7 @@ use crate::{
         rows::{Row, gather},
     },
     walls::facets::{
-        FacetRule,
+        FacetRule, Facets,
         once::{Near, last_heir},
     },
 };
@@ -151,11 +151,7 @@ impl<F: Law> FacetList<F> {
         if scenery.facets.rule == FacetRule::Once && self.near.len() > 1 {
             (scenery.facets).settle(scenery.poses, &mut self.near, sphere.0[3]);
             if F::IS_ROUGH || F::FEELS_SPEED {
-                hand_over(
-                    &self.near,
-                    &mut self.list.blocks,
-                    &mut self.list.state.touching,
-                );
+                hand_over(scenery.facets, &self.near, &mut self.list);
             }
         }
         let counting = self.near.iter().filter(|near| near.heir.is_none());
@@ -240,18 +236,24 @@ impl<F: Law> FacetList<F> {
 }
 
 /// What takes a contact's place takes over what it remembers.
-fn hand_over<F: Law>(near: &[Near], blocks: &mut [FacetBlock<F>], touching: &mut [u8]) {
+fn hand_over<F: Law>(facets: &Facets, near: &[Near], list: &mut Blocks<Visits, F>) {
     for place in 0..near.len() {
         let heir = last_heir(near, place);
         let [own, next] = [place, heir].map(|place| near[place].slot as usize);
         let bit = |slot: usize| 1_u8 << (slot % LANES);
+        let touching = &mut list.state.touching;
         let is_taken = |touching: &[u8], slot: usize| touching[slot / LANES] & bit(slot) != 0;
         if heir == place || !is_taken(touching, own) || is_taken(touching, next) {
             continue;
         }
-        let past = blocks[own / LANES].law.past(own % LANES);
-        blocks[next / LANES].law.remember(next % LANES, &past);
+        let past = list.blocks[own / LANES].law.past(own % LANES);
+        list.blocks[next / LANES].law.remember(next % LANES, &past);
         touching[next / LANES] |= bit(next);
+        // on one material it may only be another where contacts keep theirs; another rubs in its own way
+        let [from, to] = [place, heir].map(|place| facets.surface_of(near[place].facet));
+        if F::IS_ROUGH && from == to {
+            list.hand_friction(own, next);
+        }
     }
 }
 

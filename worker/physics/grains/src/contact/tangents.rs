@@ -64,6 +64,14 @@ impl Tangents {
         }
     }
 
+    /// Gives a contact tan φ of another, each by block and lane.
+    pub(super) fn hand_friction(&mut self, from: (usize, usize), to: (usize, usize)) {
+        // where all have the same there is nothing to give
+        if let Self::Each(blocks) = self {
+            blocks[to.0][1][to.1] = blocks[from.0][1][from.1];
+        }
+    }
+
     /// Sets those of a contact in the last block, number `block`.
     #[allow(clippy::float_cmp, reason = "the same materials give the same bits")]
     pub(super) fn set<F: Law>(&mut self, block: usize, lane: usize, springs: &Springs) {
@@ -157,5 +165,15 @@ mod tests {
             };
             assert_eq!(frictions[lane], 0.25);
         }
+        tangents.set::<Rough>(
+            2,
+            1,
+            &Springs {
+                friction: 0.1,
+                ..springs(0.25)
+            },
+        );
+        tangents.hand_friction((2, 1), (0, 3));
+        assert_eq!([tangents.friction(0, 3), tangents.ratio(0, 3)], [0.1, 0.3]);
     }
 }

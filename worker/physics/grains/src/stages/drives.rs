@@ -13,16 +13,27 @@ use crate::{
 };
 
 impl Runner<'_> {
-    /// Sets walls and bodies going that this stage drives, and lets those of others stand. A stage that
-    /// was begun goes on at the speeds it had.
+    /// Sets walls and bodies going that this stage drives, and lets those of others stand, but for walls that
+    /// rest on their weight. A stage that was begun goes on at the speeds it had.
     pub(crate) fn begin_drives(&mut self, stage: &Stage) {
         let goes_on = self.journal.stage_steps > 0;
         let plates = (self.engine.plates(), self.engine.walls_held());
+        let before = self.journal.stage.checked_sub(1);
+        let before = before.and_then(|before| self.spec.stages.get(before));
+        let driven = before.into_iter().chain([stage]).flat_map(driven_walls);
+        let driven: Vec<_> = driven.map(|name| self.engine.wall(name)).collect();
+        // bodies come out of it without speed
+        let is_halted = matches!(before, Some(Stage::Relax(_)));
         for wall in 0..self.engine.wall_count() {
             let motion = self.engine.wall_motion(wall);
-            motion.load = None;
+            // one that nothing but its weight moved, and moves, goes on as it fell: stages are no stops
+            let weight = motion.load.take();
+            let rested = weight.filter(|_| !is_halted && !driven.contains(&Some(wall)));
             if !goes_on {
-                motion.velocity = [0.0; 3];
+                let free = rested.map_or([false; 3], |load| load.free);
+                for axis in (0..3).filter(|axis| !free[*axis]) {
+                    motion.velocity[axis] = 0.0;
+                }
                 motion.servo = None;
             }
         }
@@ -170,6 +181,16 @@ impl Runner<'_> {
         if let (Some(force), Some(load)) = (&wall.force, &mut motion.load) {
             load.force = force.force_at(time);
         }
+    }
+}
+
+/// Names of the walls that a stage drives.
+fn driven_walls(stage: &Stage) -> Vec<&str> {
+    match stage {
+        Stage::MovePlane(stage) => vec![&stage.name],
+        Stage::LoadPlane(stage) => vec![&stage.name],
+        Stage::Drive(stage) => stage.walls.iter().map(|wall| wall.name.as_str()).collect(),
+        _ => Vec::new(),
     }
 }
 

@@ -61,8 +61,10 @@ impl Engine {
         face.map_or(place.axis.index(), |face| face.axis)
     }
 
-    /// Sets a wall down; whether it met anything.
+    /// Sets a wall down, where it stands; whether it met anything.
     fn place_wall(&mut self, wall: usize, place: &Place) -> bool {
+        // one that was set down before may be falling
+        self.wall_motion(wall).velocity = [0.0; 3];
         let state = &mut self.state;
         let spheres = &state.particles.centres;
         let side = f64::from(place.side);

@@ -96,4 +96,9 @@ impl Facets {
         }
         all
     }
+
+    /// Number of the material of a facet.
+    pub(crate) fn surface_of(&self, facet: u32) -> usize {
+        self.meshes[self.facets[facet as usize].mesh as usize].surface
+    }
 }
