@@ -1,4 +1,5 @@
-//! Exports of testing machines, in the forms that their programs write.
+//! Exports of testing machines, in the forms that their programs write: one list of what is read and what
+//! is refused, so that a new form is seen beside all others.
 use super::*;
 
 const STRAIN: [&str; 2] = ["nominal_strain", "force_n"];
