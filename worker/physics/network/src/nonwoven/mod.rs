@@ -27,6 +27,8 @@ mod spectrum;
 mod state;
 mod strength;
 mod tables;
+#[cfg(test)]
+mod tests;
 mod turned;
 mod width;
 
