@@ -31,7 +31,7 @@ pub(super) struct Pull<'a> {
 pub(super) struct Reading<'a> {
     specimen: &'a Specimen,
     strain: f64,
-    /// On the straight line between the points beside the strain [N].
+    /// At the strain, where the jaw rested ([`Path::rest`](super::path::Path::rest)) [N].
     force: Option<f64>,
     width_strain: Option<f64>,
     /// Why there is no force.

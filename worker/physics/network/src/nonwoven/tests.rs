@@ -93,6 +93,36 @@ fn warning<'a>(report: &'a Report, code: &str) -> Option<&'a str> {
     found.map(|warning| &*warning.detail)
 }
 
+#[test]
+fn what_is_read_between_strain_steps_is_measured_there() {
+    // slack until 0.5 %: nothing is carried at 0.1 %, and 100 N (ε - 0.005)/1.005 beyond
+    let slack = bundle(&[r#""rest_length_mm": 10.05, "modulus_n": 100, "strength_n": 3"#]);
+    let (report, kept) = run(&format!(
+        r#"{slack}, "output": {{"reading_strains": [0.001, 0.0075]}}"#
+    ));
+    assert!(value(&report, "secant_stiffness_at_0_1_percent").abs() < 1e-9);
+    let expected = 100.0 * 0.002_5 / 1.005 / 0.007_5;
+    let found = value(&report, "secant_stiffness_at_0_75_percent");
+    assert!((found - expected).abs() < 1e-9 * expected, "{found}");
+    // the steps stay where they are
+    let curve = String::from_utf8(kept.files["curve.csv"].clone()).expect("text");
+    let strains = curve.lines().skip(1).map(|row| row.split(',').next());
+    let first: Vec<_> = strains.flatten().take(5).collect();
+    assert_eq!(first, ["0", "0.001", "0.0075", "0.01", "0.02"]);
+}
+
+#[test]
+fn a_long_step_rests_at_the_usual_strain() {
+    let bond = r#""modulus_n": 0.399, "friction_modulus_n": 1.473, "strength_n": 3"#;
+    let (report, _) = run(&format!(
+        r#"{}, "test": {{"strain_step": 1.0}}"#,
+        bundle(&[bond])
+    ));
+    // e + f_r ε
+    let found = value(&report, "secant_stiffness_at_10_percent");
+    assert!((found - 0.5463).abs() < 1e-9, "{found}");
+}
+
 /// A small lattice with these spacings [mm].
 fn lattice(spacing: &str, more: &str, bond: &str, rest: &str) -> String {
     format!(

@@ -264,7 +264,8 @@ impl<'a> Experiment<'a> {
             self.record(point);
             return Advance::StepDone(self.stop_reason());
         }
-        if has_fallen {
+        let is_read = self.path.is_read(self.state.place, self.state.strain);
+        if has_fallen || is_read {
             self.record(point);
             if let Some(reason) = self.stop_reason() {
                 return Advance::StepDone(Some(reason));
