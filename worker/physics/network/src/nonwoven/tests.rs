@@ -123,6 +123,28 @@ fn a_long_step_rests_at_the_usual_strain() {
     assert!((found - 0.5463).abs() < 1e-9, "{found}");
 }
 
+/// A bond stretched to twice its length that breaks at a strain of 0.15 %, and a slack one in parallel
+/// whose compression pushes the jaws apart until 1 %.
+fn taut_and_pressed(pressed: &str) -> String {
+    bundle(&[
+        r#""rest_length_mm": 5.0, "modulus_n": 100.0, "strength_n": 100.3"#,
+        &format!(
+            r#""rest_length_mm": 10.1, "compression_stiffness_n": 10100.0, "strength_n": 1000, {pressed}"#
+        ),
+    ])
+}
+
+#[test]
+fn a_force_below_zero_is_no_fall_to_a_fraction_of_zero() {
+    let (report, _) = run(&format!(
+        r#"{}, "test": {{"strain_step": 0.0005, "max_strain": 0.02, "stop_force_fraction": 0.0}}"#,
+        taut_and_pressed(r#""modulus_n": 10100.0"#)
+    ));
+    assert_eq!(report.stop_reason, "max_strain");
+    // after the break the other bond alone, 10100 N (10.2 - 10.1)/10.1 at the end
+    assert!((value(&report, "max_force") - 100.0).abs() < 1e-6);
+}
+
 /// A small lattice with these spacings [mm].
 fn lattice(spacing: &str, more: &str, bond: &str, rest: &str) -> String {
     format!(

@@ -154,10 +154,11 @@ impl Experiment<'_> {
         let state = &self.state;
         let force = state.points.last().map_or(0.0, |point| point.force);
         // a force that falls although nothing broke is slack being taken up, not rupture; on a way that
-        // was gone before it is below its maximum, and comes back to it
+        // was gone before it is below its maximum, and comes back to it; one that pushes the jaws apart is
+        // no smaller part of the maximum than none
         let has_broken = !state.events.is_empty();
         let is_pulled = !self.path.leg(state.place).unloads && state.strain >= state.farthest;
-        if has_broken && is_pulled && force < test.stop_force_fraction * state.max_force {
+        if has_broken && is_pulled && force.max(0.0) < test.stop_force_fraction * state.max_force {
             return Some(StopReason::ForceDropped);
         }
         if test.history.is_empty() {
