@@ -145,6 +145,41 @@ fn a_force_below_zero_is_no_fall_to_a_fraction_of_zero() {
     assert!((value(&report, "max_force") - 100.0).abs() < 1e-6);
 }
 
+#[test]
+fn bonds_in_one_line_have_no_width_and_results_say_so() {
+    let spec = bundle(&[r#""modulus_n": 10, "strength_n": 3"#]).replace(r#""width_mm": 1, "#, "");
+    assert!(!spec.contains("width"));
+    let (report, _) = run(&spec);
+    assert!((value(&report, "max_force") - 3.0).abs() < 0.03);
+    for name in ["modulus_at_10_percent", "strength", "energy_absorption"] {
+        let quantity = &report.summary[name];
+        let reason = quantity.reason.as_deref().unwrap_or_default();
+        assert!(reason.contains("has no width"), "{name}: {quantity:?}");
+    }
+    assert!((value(&report, "secant_stiffness_at_10_percent") - 10.0).abs() < 1e-6);
+}
+
+#[test]
+fn cycles_that_end_before_they_begin_are_named() {
+    // 100 N at no strain are beyond the 50 N of the pull
+    let taut = bundle(&[r#""rest_length_mm": 5.0, "modulus_n": 100.0, "strength_n": 1000"#]);
+    let history = |blocks: &str| {
+        format!(
+            r#"{taut}, "test": {{"strain_step": 0.01, "max_strain": 0.1, "history": [{blocks}]}}"#
+        )
+    };
+    let up = r#"{"to": {"strain": 0.02}, "back_to": {"strain": 0}}"#;
+    let none = r#"{"to": {"force_n": 50}, "back_to": {"force_n": 20}, "repetitions": 2}"#;
+    let (report, _) = run(&history(&format!("{up}, {none}")));
+    let words = warning(&report, "cycles_skipped").expect("a warning");
+    assert!(
+        words.contains("2 of 3 cycles") && words.contains("cycle 2 in /test/history/1"),
+        "{words}"
+    );
+    assert_eq!(warning(&report, "history_not_finished"), None);
+    assert_eq!(warning(&run(&history(up)).0, "cycles_skipped"), None);
+}
+
 /// A small lattice with these spacings [mm].
 fn lattice(spacing: &str, more: &str, bond: &str, rest: &str) -> String {
     format!(
