@@ -146,6 +146,26 @@ fn a_force_below_zero_is_no_fall_to_a_fraction_of_zero() {
 }
 
 #[test]
+fn a_force_that_grows_faster_than_the_tension_is_not_overstepped() {
+    // 100 (1 + 2 ε) N breaks at 100.3 N, ε = 0.0015; the other presses with 10100 N (0.1 - 10 ε)/10.1
+    let expected = 100.3 - 10_100.0 * (0.1 - 10.0 * 0.001_5) / 10.1;
+    for (accuracy, precision) in [("draft", 0.05), ("standard", 0.01), ("reference", 0.002)] {
+        let (report, _) = run(&format!(
+            r#"{}, "test": {{"strain_step": 0.005, "max_strain": 0.009}}, "accuracy": "{accuracy}""#,
+            taut_and_pressed(r#""modulus_n": 0.001"#)
+        ));
+        let past = (value(&report, "max_force") - expected) / value(&report, "max_force");
+        let told = report.quality["overstepped_force"].value;
+        // both curves are straight, so that the estimate is what it is
+        assert!(
+            (past - told).abs() < 1e-6,
+            "{accuracy}: {past}, {told} told"
+        );
+        assert!(told <= 2.0 * precision, "{accuracy}: {told}");
+    }
+}
+
+#[test]
 fn bonds_in_one_line_have_no_width_and_results_say_so() {
     let spec = bundle(&[r#""modulus_n": 10, "strength_n": 3"#]).replace(r#""width_mm": 1, "#, "");
     assert!(!spec.contains("width"));

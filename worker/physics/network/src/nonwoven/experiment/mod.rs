@@ -197,7 +197,7 @@ impl<'a> Experiment<'a> {
                 self.settled = Some(settled);
                 return Ok(self.look_for_force(point.force, before, worst_before));
             }
-            if !over.is_empty() && !self.is_resolved(&over, point.force) {
+            if !over.is_empty() && !self.is_resolved(&over, point.force, &before) {
                 let found = Search {
                     strain: self.state.strain,
                     force: point.force,
