@@ -12,6 +12,8 @@ mod scenes;
 #[path = "../examples/stated_errors/sort.rs"]
 mod sort;
 
+use std::collections::BTreeMap;
+
 use fabrics::Fabrics;
 use loadframe_api::JobSpec;
 use loadframe_api::spec::nonwoven_tensile::{Breaking, NonwovenTensile};
@@ -116,6 +118,33 @@ fn a_fabric_outside_what_was_measured_has_no_errors_and_says_why() {
     assert!(report.summary["strength"].error.is_none());
     let words = "no error: compression_stiffness_over_modulus is 0.000,";
     assert!(log.iter().any(|line| line.contains(words)), "{log:?}");
+}
+
+#[test]
+fn ranges_of_the_tables_are_those_of_the_fabrics_that_were_drawn() {
+    let tables = [
+        (
+            include_str!("../network/src/nonwoven/errors/small.json"),
+            fabrics::SMALL,
+            30,
+        ),
+        (
+            include_str!("../network/src/nonwoven/errors/large.json"),
+            fabrics::LARGE,
+            45,
+        ),
+    ];
+    for (text, fabrics, drawn) in tables {
+        let mut range = BTreeMap::<String, [f64; 2]>::new();
+        for (name, value) in (1..=drawn).flat_map(|seed| fabrics.traits(seed, &Report::default())) {
+            let bounds = range.entry(name.to_owned()).or_insert([value; 2]);
+            *bounds = [bounds[0].min(value), bounds[1].max(value)];
+        }
+        let table: serde_json::Value = serde_json::from_str(text).expect("a table");
+        let told: BTreeMap<String, [f64; 2]> =
+            serde_json::from_value(table["range"].clone()).expect("a range");
+        assert_eq!(told, range);
+    }
 }
 
 #[test]

@@ -85,6 +85,7 @@ impl Sort for Fabrics {
         };
         let bond = &spec.bond;
         let over_modulus = |value: f64| value / bond.modulus_n.unwrap_or(f64::NAN);
+        let [x, y, z] = lattice.spacing_mm;
         vec![
             ("bonds", lattice.bonds() as f64),
             ("mean_irregularity", lattice.irregularity[0]),
@@ -98,6 +99,8 @@ impl Sort for Fabrics {
             ),
             ("strain_of_mean_strength", strain),
             ("strength_sigma", bond.strength_sigma),
+            ("spacing_x_over_y", x / y),
+            ("spacing_z_over_y", z / y),
         ]
     }
 }

@@ -8,12 +8,14 @@
 //!
 //! The bonds are elastic, so the rest is what steps and solver are off, and what went where the
 //! network snapped from one fold to another without breaking.
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 use loadframe_api::spec::nonwoven_tensile::{NonwovenTensile, Target};
 use loadframe_harness::{ReportBuilder, csv};
 
 use super::{
+    experiment::StopReason,
     path::Path,
     state::{Point, State},
 };
@@ -156,7 +158,12 @@ pub(super) fn write(out: &mut dyn Write, cycles: &[Cycle]) -> io::Result<()> {
 }
 
 /// Results over all whole cycles, and whether (10) closes.
-pub(super) fn report(report: &mut ReportBuilder, spec: &NonwovenTensile, state: &State) {
+pub(super) fn report(
+    report: &mut ReportBuilder,
+    spec: &NonwovenTensile,
+    state: &State,
+    stop_reason: StopReason,
+) {
     let begun = all(spec, state);
     let whole: Vec<&Cycle> = begun.iter().filter(|cycle| cycle.is_whole).collect();
     // a pull that nothing follows is no loop
@@ -206,7 +213,7 @@ pub(super) fn report(report: &mut ReportBuilder, spec: &NonwovenTensile, state: 
         );
     }
     check_energy(report, state, begun.iter().map(Cycle::loaded).sum());
-    warn(report, spec, state, whole.len());
+    warn(report, spec, state, &begun, stop_reason);
 }
 
 /// Of a single pull that nothing follows, whether (10) closes.
@@ -250,22 +257,49 @@ fn check_energy(report: &mut ReportBuilder, state: &State, pulls: f64) {
     }
 }
 
-fn warn(report: &mut ReportBuilder, spec: &NonwovenTensile, state: &State, whole: usize) {
+fn warn(
+    report: &mut ReportBuilder,
+    spec: &NonwovenTensile,
+    state: &State,
+    begun: &[Cycle],
+    stop_reason: StopReason,
+) {
     let legs = spec.test.legs();
     let asked = legs.last().map_or(0, |leg| leg.cycle);
     let leg = legs[state.place.leg];
+    let whole = begun.iter().filter(|cycle| cycle.is_whole).count();
+    // of a test that went all its way, what is not whole had no way to go
+    let is_finished = stop_reason == StopReason::HistoryFinished;
+    let passed = if is_finished { asked } else { leg.cycle };
+    let known = begun.iter().filter(|cycle| cycle.is_whole || !is_finished);
+    let known: BTreeSet<u32> = known.map(|cycle| cycle.number).collect();
+    let skipped: Vec<u32> = (1..=passed)
+        .filter(|cycle| !known.contains(cycle))
+        .collect();
+    if let Some(first) = skipped.first() {
+        let block = legs.iter().find(|leg| leg.cycle == *first);
+        report.warn(
+            "cycles_skipped",
+            format!(
+                "{} of {asked} cycles had no way to go, the first of them cycle {first} in \
+                 /test/history/{}: the specimen was beyond the force that ends each of their ways before \
+                 it began",
+                skipped.len(),
+                block.map_or(0, |leg| leg.block)
+            ),
+        );
+    }
     // a last pull to a strain that lies beyond rupture is how a test is ended
     let is_last_pull = state.place.leg + 1 == legs.len()
         && !leg.unloads
         && matches!(leg.target, Target::Strain(_));
-    if whole < asked as usize && !is_last_pull {
-        let block = leg.block;
+    if !is_finished && whole + skipped.len() < asked as usize && !is_last_pull {
         report.warn(
             "history_not_finished",
             format!(
-                "the test ended in cycle {} of {asked}, in /test/history/{block}: {whole} were \
+                "the test ended in cycle {} of {asked}, in /test/history/{}: {whole} were \
                  finished; later ones would need a specimen that holds, or a larger max_strain",
-                whole + 1
+                leg.cycle, leg.block
             ),
         );
     }

@@ -2,7 +2,10 @@
 //! it ended.
 use loadframe_api::spec::nonwoven_tensile::{Leg, NonwovenTensile, Target};
 
-use super::state::{Place, Point};
+use super::{
+    readings::USUAL_STRAIN,
+    state::{Place, Point},
+};
 
 /// Part of the largest force so far to which a force is reached: far below the force error of a
 /// testing machine, far above the rounding of forces.
@@ -16,11 +19,17 @@ pub(super) struct Path {
     legs: Vec<Leg>,
     strain_step: f64,
     max_strain: f64,
+    /// Nominal strains at which the first pull is read, ascending.
+    readings: Vec<f64>,
 }
 
 impl Path {
     pub(super) fn new(spec: &NonwovenTensile) -> Self {
+        let mut readings = spec.output.reading_strains.clone();
+        readings.push(USUAL_STRAIN);
+        readings.sort_by(f64::total_cmp);
         Self {
+            readings,
             legs: spec.test.legs(),
             strain_step: spec.test.strain_step,
             max_strain: spec.test.max_strain,
@@ -67,6 +76,28 @@ impl Path {
             let is_end = strain > end * (1.0 - LAST_STEP_SLACK);
             if is_end { end } else { strain }
         }
+    }
+
+    /// Where the jaw rests next on its way from a strain to the end of its step: at the first strain between
+    /// them at which the first pull is read, for the straight line from end to end is not the curve. One
+    /// that is an end but for rounding is read there.
+    pub(super) fn rest(&self, place: Place, from: f64, end: f64) -> f64 {
+        if self.legs[..=place.leg].iter().any(|leg| leg.unloads) {
+            return end;
+        }
+        let [after, before] = [
+            from * (1.0 + LAST_STEP_SLACK),
+            end * (1.0 - LAST_STEP_SLACK),
+        ];
+        let mut readings = self.readings.iter().copied();
+        let between = readings.find(|strain| after < *strain && *strain < before);
+        between.unwrap_or(end)
+    }
+
+    /// Whether a strain is one at which the first pull is read.
+    pub(super) fn is_read(&self, place: Place, strain: f64) -> bool {
+        let is_same = |reading: &f64| reading.total_cmp(&strain).is_eq();
+        !self.leg(place).unloads && self.readings.iter().any(is_same)
     }
 
     /// Whether the leg comes to the one strain before it comes to the other.
@@ -194,6 +225,39 @@ mod tests {
         }
         assert_eq!(path.strain(place, 3), 0.25);
         assert!(path.is_at_end(place, 0.25, 0.0, 0.0));
+    }
+
+    #[test]
+    fn the_jaw_rests_where_the_first_pull_is_read_between_steps() {
+        let (_, mut spec) = path(Vec::new());
+        spec.output.reading_strains = vec![0.17, 0.02, 0.05];
+        let path = Path::new(&spec);
+        let place = Place::default();
+        let rest = |from, end| path.rest(place, from, end);
+        assert_eq!(rest(0.0, 0.1), 0.02);
+        assert_eq!(rest(0.02, 0.1), 0.05);
+        // an end of a step is no place between, and neither is one that it misses by rounding
+        assert_eq!(rest(0.05, 0.1), 0.1);
+        assert_eq!(rest(0.05, 0.1 + 1e-16), 0.1 + 1e-16);
+        assert_eq!(rest(0.1 - 1e-16, 0.15), 0.15);
+        assert_eq!(rest(0.08, 0.12), 0.1);
+        assert!(path.is_read(place, 0.17) && !path.is_read(place, 0.15));
+    }
+
+    #[test]
+    fn a_pull_after_the_jaw_came_back_is_not_read() {
+        let mut history = to_and_back(Target::Strain(0.05), Target::Strain(0.0));
+        history.push(Block {
+            to: Target::Strain(0.25),
+            back_to: None,
+            repetitions: 1,
+        });
+        let (path, _) = path(history);
+        let again = Place {
+            leg: 2,
+            ..Place::default()
+        };
+        assert_eq!(path.rest(again, 0.08, 0.12), 0.12);
     }
 
     #[test]

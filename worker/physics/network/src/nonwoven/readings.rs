@@ -15,6 +15,13 @@ pub(super) const N_PER_TEX: f64 = 1e-3;
 /// Decimals of a strain in percent: its smallest, 1e-6, has four.
 const DECIMALS: f64 = 1e6;
 
+/// Why results have no value that are related to the width, of a specimen that has none.
+pub(super) fn without_width(specimen: &Specimen) -> Option<&'static str> {
+    let has_none = specimen.width <= 0.0;
+    has_none
+        .then_some("the specimen has no width: all its nodes have one x, and width_mm is not given")
+}
+
 /// The curve up to where the jaw first came back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pull<'a> {
@@ -31,7 +38,7 @@ pub(super) struct Pull<'a> {
 pub(super) struct Reading<'a> {
     specimen: &'a Specimen,
     strain: f64,
-    /// On the straight line between the points beside the strain [N].
+    /// At the strain, where the jaw rested ([`Path::rest`](super::path::Path::rest)) [N].
     force: Option<f64>,
     width_strain: Option<f64>,
     /// Why there is no force.
@@ -159,7 +166,11 @@ impl Reading<'_> {
         about: &str,
     ) {
         let quantity = Quantity::new(value.unwrap_or(f64::NAN), unit, about);
-        report.insert(name, quantity.or_because(&self.reason));
+        let reason = match (self.force, without_width(self.specimen)) {
+            (Some(_), Some(reason)) => reason,
+            _ => &self.reason,
+        };
+        report.insert(name, quantity.or_because(reason));
     }
 
     fn percent(&self) -> f64 {

@@ -8,7 +8,7 @@ use loadframe_harness::{ReportBuilder, curve};
 use super::{
     cycles, distribution,
     experiment::{LARGEST_OVERSTEP, StopReason},
-    readings::{N_PER_M, N_PER_TEX, PA, Pull, USUAL_STRAIN},
+    readings::{self, N_PER_M, N_PER_TEX, PA, Pull, USUAL_STRAIN},
     specimen::Specimen,
     state::{Point, State},
 };
@@ -21,6 +21,14 @@ const LARGEST_IMBALANCE: f64 = 0.01;
 const J_PER_M2: f64 = 1e3;
 /// N mm in J.
 const J: f64 = 1e-3;
+/// Results related to the width, readings at strains apart.
+const PER_WIDTH: [&str; 5] = [
+    "strength",
+    "energy_absorption",
+    "strength_pa",
+    "tensile_index",
+    "tenacity",
+];
 /// Strains listed in a warning before it only counts.
 const LISTED_STRAINS: usize = 5;
 
@@ -34,7 +42,7 @@ pub(super) fn report(
     let mut report = ReportBuilder::new(stop_reason.name());
     results(&mut report, spec, specimen, state, stop_reason);
     if !spec.test.history.is_empty() {
-        cycles::report(&mut report, spec, state);
+        cycles::report(&mut report, spec, state, stop_reason);
     } else if let Fabric::Network(_) = spec.fabric {
         // how wrong lattices may be was measured; their folds snap, and few steps are a coarse sum
         cycles::check_pull(&mut report, state);
@@ -42,7 +50,15 @@ pub(super) fn report(
     checks(&mut report, spec, state);
     warn(&mut report, spec, specimen, state, stop_reason);
     count_work(&mut report, &state.work);
-    report.finish()
+    let mut report = report.finish();
+    if let Some(reason) = readings::without_width(specimen) {
+        for name in PER_WIDTH {
+            if let Some(quantity) = report.summary.get_mut(name) {
+                *quantity = quantity.clone().or_because(reason);
+            }
+        }
+    }
+    report
 }
 
 fn results(

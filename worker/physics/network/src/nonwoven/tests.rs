@@ -1,183 +1,255 @@
-//! Whether equilibria of networks of unlike bonds are those of statics, and what says so where they are not.
-use loadframe_api::{JobSpec, Report, Submission};
-use loadframe_harness::{Ending, Recorder, RunContext, Uninterrupted};
+//! Whole tests of a few bonds, against what can be written down.
+mod equilibria;
+
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use super::run_one;
+use loadframe_api::{JobSpec, Report, Submission};
+use loadframe_harness::{Decorator, Ending, Recorder, RunContext, Uninterrupted, Unrecorded};
 
-/// Keeps the points of a curve.
+/// What a run logged, and its files.
 #[derive(Default)]
-struct Curve {
-    columns: Vec<String>,
-    last: Vec<f64>,
+struct Kept {
+    log: Vec<String>,
+    files: BTreeMap<String, Vec<u8>>,
 }
 
-impl Recorder for Curve {
-    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
-        self.columns = names.iter().map(|name| (*name).to_owned()).collect();
+impl Decorator for Kept {
+    fn inner(&self) -> &dyn Recorder {
+        &Unrecorded
+    }
+
+    fn inner_mut(&mut self) -> &mut dyn Recorder {
+        unreachable!("all that is asked for is taken")
+    }
+
+    fn columns(&mut self, _: &[&str]) -> io::Result<()> {
         Ok(())
     }
 
-    fn point(&mut self, values: &[f64]) -> io::Result<()> {
-        self.last = values.to_vec();
+    fn point(&mut self, _: &[f64]) -> io::Result<()> {
         Ok(())
     }
 
     fn file(
         &mut self,
-        _name: &str,
-        _write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
     ) -> io::Result<()> {
+        let mut bytes = Vec::new();
+        write(&mut bytes)?;
+        self.files.insert(name.to_owned(), bytes);
         Ok(())
     }
 
-    fn progress(&mut self, _fraction: f64, _phase: &str) {}
+    fn progress(&mut self, _: f64, _: &str) {}
 
-    fn log(&mut self, _message: &str) {}
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, _bytes: &[u8]) -> io::Result<()> {
-        Ok(())
+    fn log(&mut self, message: &str) {
+        self.log.push(message.to_owned());
     }
 }
 
-impl Curve {
-    fn at_end(&self, name: &str) -> f64 {
-        let column = self.columns.iter().position(|column| column == name);
-        self.last[column.expect("a column")]
-    }
+/// Runs a spec to its end.
+fn run(spec: &str) -> (Report, Kept) {
+    let job = format!(r#"{{"kind": "nonwoven_tensile", "spec": {{"version": 1, {spec}}}}}"#);
+    run_job(job.as_bytes())
 }
 
-fn run(job: &str) -> (Report, Curve) {
-    let submission = Submission::from_slice(job.as_bytes()).expect("a job");
+fn run_job(job: &[u8]) -> (Report, Kept) {
+    let submission = Submission::from_slice(job).expect("a job");
     let JobSpec::NonwovenTensile(spec) = submission.spec else {
-        panic!("no nonwoven");
+        panic!("another kind")
     };
     let context = RunContext {
         threads: 1,
         interrupt: &Uninterrupted,
         checkpoint: None,
     };
-    let mut curve = Curve::default();
-    match run_one(&spec, context, &mut curve).expect("it can be simulated") {
-        Ending::Finished(report) => (report, curve),
-        ending => panic!("{ending:?}"),
+    let mut kept = Kept::default();
+    match super::run(&spec, context, &mut kept) {
+        Ok(Ending::Finished(report)) => (report, kept),
+        other => panic!("{other:?}"),
     }
 }
 
-/// A square on its corner, 20 mm from corner to corner, of bonds with e = 1 N and one across, held by
-/// two links of 10 mm with this modulus [N], pulled by 10 %.
-fn diamond(link: f64, accuracy: &str) -> (Report, Curve) {
-    run(&format!(
-        r#"{{"kind": "nonwoven_tensile", "name": "diamond", "spec": {{"version": 1,
-            "fabric": {{"network": {{
-                "nodes_mm": [[0, 0, 0], [0, 10, 0], [-10, 20, 0], [10, 20, 0], [0, 30, 0], [0, 40, 0]],
-                "jaws": ["bottom", "free", "free", "free", "free", "top"],
-                "bonds": [{{"nodes": [0, 1], "modulus_n": {link}}}, {{"nodes": [1, 2]}},
-                    {{"nodes": [1, 3]}}, {{"nodes": [2, 4]}}, {{"nodes": [3, 4]}}, {{"nodes": [2, 3]}},
-                    {{"nodes": [4, 5], "modulus_n": {link}}}],
-                "width_mm": 20}}}},
-            "bond": {{"modulus_n": 1, "compression_stiffness_n": 0.1}},
-            "test": {{"strain_step": 0.01, "max_strain": 0.1, "breaking": "none"}},
-            "accuracy": "{accuracy}"}}}}"#
-    ))
-}
-
-/// Force [N] and contraction [-] of that diamond.
-///
-/// A side from (0, h) to (w, 0) has T = √(w² + h²)/(10 √2) − 1, what lies across pushes by
-/// 0.1 (10 − w)/10; at the corner aside 2 T w/√(w² + h²) = 0.1 (10 − w)/10, at that above the link
-/// has F = 2 T h/√(w² + h²) and grows by 10 F/e.
-fn statics(link: f64) -> (f64, f64) {
-    let mut force = 0.0;
-    let mut width = 10.0_f64;
-    // the links hardly grow: each round is nearer by 10/e
-    for _ in 0..20 {
-        let height = 12.0 - 10.0 * force / link;
-        let tension = |w: f64| w.hypot(height) / 200.0_f64.sqrt() - 1.0;
-        let inwards = |w: f64| 2.0 * tension(w) * w / w.hypot(height) - 0.01 * (10.0 - w);
-        let (mut low, mut high) = (0.0, 10.0);
-        for _ in 0..100 {
-            width = 0.5 * (low + high);
-            if inwards(width) > 0.0 {
-                high = width;
-            } else {
-                low = width;
-            }
-        }
-        force = 2.0 * tension(width) * height / width.hypot(height);
-    }
-    (force, (10.0 - width) / 10.0)
-}
-
-#[test]
-fn a_stiff_bond_does_not_loosen_the_equilibrium_of_soft_ones() {
-    for link in [1e2, 1e4, 1e8] {
-        let (force, contraction) = statics(link);
-        for (accuracy, force_accuracy) in [("standard", 1e2), ("reference", 1e4)] {
-            let (report, curve) = diamond(link, accuracy);
-            // the limit of 0.1 N/A_cc is a part of the force, and what it leaves of the form is no more
-            let tolerance = 0.1 / force_accuracy / force;
-            for (name, expected) in [("force_n", force), ("width_strain", -contraction)] {
-                let found = curve.at_end(name);
-                assert!(
-                    (found - expected).abs() < tolerance * expected.abs(),
-                    "{link}, {accuracy}: {name} {found}, not {expected}"
-                );
-            }
-            assert!(report.quality["unconverged_steps"].ok);
-        }
-    }
-}
-
-#[test]
-fn a_loose_equilibrium_that_symmetry_hides_shows_in_the_energy() {
-    let (report, curve) = diamond(1.0, "draft");
-    assert!(curve.at_end("force_n") > 1.1 * statics(1.0).0);
-    assert!(report.quality["jaw_force_imbalance"].value < 1e-6);
-    let codes = |report: &Report| -> Vec<String> {
-        let warnings = report.warnings.iter();
-        warnings.map(|warning| warning.code.clone()).collect()
-    };
-    assert_eq!(codes(&report), ["unaccounted_energy"]);
-    let (report, _) = diamond(1.0, "reference");
-    assert!(report.quality["unaccounted_energy"].value < 0.005);
-    assert!(codes(&report).is_empty(), "{:?}", report.warnings);
-}
-
-/// Two bonds of 11 mm on a way of 20 mm, their node so far [mm] off the line, beside one that is straight.
-fn chain(aside: f64) -> (Report, Curve) {
-    run(&format!(
-        r#"{{"kind": "nonwoven_tensile", "name": "chain", "spec": {{"version": 1,
-            "fabric": {{"network": {{
-                "nodes_mm": [[0, 0, 0], [{aside}, 10, 0], [0, 20, 0], [10, 0, 0], [10, 20, 0]],
-                "jaws": ["bottom", "free", "top", "bottom", "top"],
-                "bonds": [{{"nodes": [0, 1], "rest_length_mm": 11}},
-                    {{"nodes": [1, 2], "rest_length_mm": 11}}, {{"nodes": [3, 4]}}]}}}},
-            "bond": {{"modulus_n": 1, "compression_stiffness_n": 1}},
-            "test": {{"strain_step": 0.01, "max_strain": 0.05, "breaking": "none"}},
-            "accuracy": "reference"}}}}"#
-    ))
-}
-
-fn is_unstable(report: &Report) -> bool {
-    report
-        .warnings
+/// Bonds side by side between jaws 10 mm apart, 1 mm wide.
+fn bundle(bonds: &[&str]) -> String {
+    let bonds: Vec<String> = bonds
         .iter()
-        .any(|warning| warning.code == "unstable_equilibrium")
+        .map(|bond| format!(r#"{{"nodes": [0, 1], {bond}}}"#))
+        .collect();
+    format!(
+        r#""fabric": {{"network": {{"nodes_mm": [[0, 0, 0], [0, 10, 0]], "jaws": ["bottom", "top"],
+            "width_mm": 1, "bonds": [{}]}}}}"#,
+        bonds.join(", ")
+    )
+}
+
+fn value(report: &Report, name: &str) -> f64 {
+    report.summary[name].value.expect("known")
+}
+
+fn warning<'a>(report: &'a Report, code: &str) -> Option<&'a str> {
+    let mut warnings = report.warnings.iter();
+    let found = warnings.find(|warning| warning.code == code);
+    found.map(|warning| &*warning.detail)
 }
 
 #[test]
-fn bonds_that_push_along_one_line_are_told() {
-    let (straight, _) = chain(0.0);
-    assert!(is_unstable(&straight), "{:?}", straight.warnings);
-    // what is slack does not push: all is carried by the straight bond, 1 N times its strain
-    let (bent, curve) = chain(0.1);
-    assert!(!is_unstable(&bent), "{:?}", bent.warnings);
-    // at the node the limit of 0.05 N/10⁴ may be left aside, and along bonds at 10.5 : 3.3 some 3.2 times
-    // half of it
-    assert!((curve.at_end("force_n") - 0.05).abs() < 2.0 * 0.05 / 1e4);
+fn what_is_read_between_strain_steps_is_measured_there() {
+    // slack until 0.5 %: nothing is carried at 0.1 %, and 100 N (ε - 0.005)/1.005 beyond
+    let slack = bundle(&[r#""rest_length_mm": 10.05, "modulus_n": 100, "strength_n": 3"#]);
+    let (report, kept) = run(&format!(
+        r#"{slack}, "output": {{"reading_strains": [0.001, 0.0075]}}"#
+    ));
+    assert!(value(&report, "secant_stiffness_at_0_1_percent").abs() < 1e-9);
+    let expected = 100.0 * 0.002_5 / 1.005 / 0.007_5;
+    let found = value(&report, "secant_stiffness_at_0_75_percent");
+    assert!((found - expected).abs() < 1e-9 * expected, "{found}");
+    // the steps stay where they are
+    let curve = String::from_utf8(kept.files["curve.csv"].clone()).expect("text");
+    let strains = curve.lines().skip(1).map(|row| row.split(',').next());
+    let first: Vec<_> = strains.flatten().take(5).collect();
+    assert_eq!(first, ["0", "0.001", "0.0075", "0.01", "0.02"]);
+}
+
+#[test]
+fn a_long_step_rests_at_the_usual_strain() {
+    let bond = r#""modulus_n": 0.399, "friction_modulus_n": 1.473, "strength_n": 3"#;
+    let (report, _) = run(&format!(
+        r#"{}, "test": {{"strain_step": 1.0}}"#,
+        bundle(&[bond])
+    ));
+    // e + f_r ε
+    let found = value(&report, "secant_stiffness_at_10_percent");
+    assert!((found - 0.5463).abs() < 1e-9, "{found}");
+}
+
+/// A bond stretched to twice its length that breaks at a strain of 0.15 %, and a slack one in parallel
+/// whose compression pushes the jaws apart until 1 %.
+fn taut_and_pressed(pressed: &str) -> String {
+    bundle(&[
+        r#""rest_length_mm": 5.0, "modulus_n": 100.0, "strength_n": 100.3"#,
+        &format!(
+            r#""rest_length_mm": 10.1, "compression_stiffness_n": 10100.0, "strength_n": 1000, {pressed}"#
+        ),
+    ])
+}
+
+#[test]
+fn a_force_below_zero_is_no_fall_to_a_fraction_of_zero() {
+    let (report, _) = run(&format!(
+        r#"{}, "test": {{"strain_step": 0.0005, "max_strain": 0.02, "stop_force_fraction": 0.0}}"#,
+        taut_and_pressed(r#""modulus_n": 10100.0"#)
+    ));
+    assert_eq!(report.stop_reason, "max_strain");
+    // after the break the other bond alone, 10100 N (10.2 - 10.1)/10.1 at the end
+    assert!((value(&report, "max_force") - 100.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_force_that_grows_faster_than_the_tension_is_not_overstepped() {
+    // 100 (1 + 2 ε) N breaks at 100.3 N, ε = 0.0015; the other presses with 10100 N (0.1 - 10 ε)/10.1
+    let expected = 100.3 - 10_100.0 * (0.1 - 10.0 * 0.001_5) / 10.1;
+    for (accuracy, precision) in [("draft", 0.05), ("standard", 0.01), ("reference", 0.002)] {
+        let (report, _) = run(&format!(
+            r#"{}, "test": {{"strain_step": 0.005, "max_strain": 0.009}}, "accuracy": "{accuracy}""#,
+            taut_and_pressed(r#""modulus_n": 0.001"#)
+        ));
+        let past = (value(&report, "max_force") - expected) / value(&report, "max_force");
+        let told = report.quality["overstepped_force"].value;
+        // both curves are straight, so that the estimate is what it is
+        assert!(
+            (past - told).abs() < 1e-6,
+            "{accuracy}: {past}, {told} told"
+        );
+        assert!(told <= 2.0 * precision, "{accuracy}: {told}");
+    }
+}
+
+#[test]
+fn bonds_in_one_line_have_no_width_and_results_say_so() {
+    let spec = bundle(&[r#""modulus_n": 10, "strength_n": 3"#]).replace(r#""width_mm": 1, "#, "");
+    assert!(!spec.contains("width"));
+    let (report, _) = run(&spec);
+    assert!((value(&report, "max_force") - 3.0).abs() < 0.03);
+    for name in ["modulus_at_10_percent", "strength", "energy_absorption"] {
+        let quantity = &report.summary[name];
+        let reason = quantity.reason.as_deref().unwrap_or_default();
+        assert!(reason.contains("has no width"), "{name}: {quantity:?}");
+    }
+    assert!((value(&report, "secant_stiffness_at_10_percent") - 10.0).abs() < 1e-6);
+}
+
+#[test]
+fn cycles_that_end_before_they_begin_are_named() {
+    // 100 N at no strain are beyond the 50 N of the pull
+    let taut = bundle(&[r#""rest_length_mm": 5.0, "modulus_n": 100.0, "strength_n": 1000"#]);
+    let history = |blocks: &str| {
+        format!(
+            r#"{taut}, "test": {{"strain_step": 0.01, "max_strain": 0.1, "history": [{blocks}]}}"#
+        )
+    };
+    let up = r#"{"to": {"strain": 0.02}, "back_to": {"strain": 0}}"#;
+    let none = r#"{"to": {"force_n": 50}, "back_to": {"force_n": 20}, "repetitions": 2}"#;
+    let (report, _) = run(&history(&format!("{up}, {none}")));
+    let words = warning(&report, "cycles_skipped").expect("a warning");
+    assert!(
+        words.contains("2 of 3 cycles") && words.contains("cycle 2 in /test/history/1"),
+        "{words}"
+    );
+    assert_eq!(warning(&report, "history_not_finished"), None);
+    assert_eq!(warning(&run(&history(up)).0, "cycles_skipped"), None);
+}
+
+/// A small lattice with these spacings [mm].
+fn lattice(spacing: &str, more: &str, bond: &str, rest: &str) -> String {
+    format!(
+        r#""fabric": {{"lattice": {{"points_per_row": 7, "rows": 9, "layers": 1, "spacing_mm": {spacing},
+            "irregularity": {more}}}}},
+        "bond": {{"modulus_n": 0.399, "friction_modulus_n": 1.473, "compression_stiffness_n": 0.157,
+            "mean_strength_n": 3.397, "strength_sigma": 0.365{bond}}},
+        "test": {{"strain_step": 0.01, "max_strain": 0.12}}, "output": {{"snapshot_every_steps": 0}}{rest}"#
+    )
+}
+
+#[test]
+fn only_lattices_like_those_that_were_measured_have_errors() {
+    let same = "[0.5, 0.5, 0.5]";
+    let told = |spec: &str| {
+        let (report, kept) = run(spec);
+        let has_error = report.summary["poisson_ratio"].error.is_some();
+        (has_error, kept.log.join("\n"))
+    };
+    assert!(told(&lattice("[2, 2, 1]", same, "", "")).0);
+    for (spec, words) in [
+        (
+            lattice("[2, 2, 4]", same, "", ""),
+            "spacing_z_over_y is 2.000",
+        ),
+        (
+            lattice("[4, 2, 1]", same, "", ""),
+            "spacing_x_over_y is 2.000",
+        ),
+        (
+            lattice("[2, 2, 1]", "[0.5, 0.5, 0.4]", "", ""),
+            "alike irregular",
+        ),
+        (
+            lattice("[2, 2, 1]", same, r#", "strength_draw": "normal""#, ""),
+            "log-normal",
+        ),
+        (
+            lattice(
+                "[2, 2, 1]",
+                same,
+                "",
+                r#", "accuracy": {"force_accuracy": 1e4, "iteration_limit": 1}"#,
+            ),
+            "steps have none",
+        ),
+    ] {
+        let (has_error, log) = told(&spec);
+        assert!(!has_error && log.contains(words), "{log}");
+    }
 }

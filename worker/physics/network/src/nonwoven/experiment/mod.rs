@@ -197,7 +197,7 @@ impl<'a> Experiment<'a> {
                 self.settled = Some(settled);
                 return Ok(self.look_for_force(point.force, before, worst_before));
             }
-            if !over.is_empty() && !self.is_resolved(&over, point.force) {
+            if !over.is_empty() && !self.is_resolved(&over, point.force, &before) {
                 let found = Search {
                     strain: self.state.strain,
                     force: point.force,
@@ -264,7 +264,8 @@ impl<'a> Experiment<'a> {
             self.record(point);
             return Advance::StepDone(self.stop_reason());
         }
-        if has_fallen {
+        let is_read = self.path.is_read(self.state.place, self.state.strain);
+        if has_fallen || is_read {
             self.record(point);
             if let Some(reason) = self.stop_reason() {
                 return Advance::StepDone(Some(reason));

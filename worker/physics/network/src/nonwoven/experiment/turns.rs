@@ -15,7 +15,9 @@ impl Experiment<'_> {
     pub(in crate::nonwoven) fn next_step(&mut self) {
         self.state.place = self.next_place();
         self.state.step += 1;
-        self.state.strain = self.path.strain(self.state.place, self.state.step);
+        let (place, reached) = (self.state.place, self.state.reached.strain);
+        let end = self.path.strain(place, self.state.step);
+        self.state.strain = self.path.rest(place, reached, end);
         self.state.round = 0;
         self.state.rounds_before = 0;
         self.state.worst_of_step = Worst::default();
@@ -104,11 +106,11 @@ impl Experiment<'_> {
     }
 
     /// The strain to go to: between the last state and the one known to be beyond the force that ends
-    /// the leg; where there is none, `end`.
+    /// the leg; where there is none, `end`, or before it where the pull is read.
     pub(super) fn next_strain(&mut self, end: f64) -> f64 {
         let reached = self.state.reached;
         let Some(aim) = &mut self.state.aim else {
-            return end;
+            return self.path.rest(self.state.place, reached.strain, end);
         };
         let way = aim.strain - reached.strain;
         if aim.looks >= MOST_LOOKS || way.abs() <= SHORTEST * self.spec.test.strain_step {
@@ -152,10 +154,11 @@ impl Experiment<'_> {
         let state = &self.state;
         let force = state.points.last().map_or(0.0, |point| point.force);
         // a force that falls although nothing broke is slack being taken up, not rupture; on a way that
-        // was gone before it is below its maximum, and comes back to it
+        // was gone before it is below its maximum, and comes back to it; one that pushes the jaws apart is
+        // no smaller part of the maximum than none
         let has_broken = !state.events.is_empty();
         let is_pulled = !self.path.leg(state.place).unloads && state.strain >= state.farthest;
-        if has_broken && is_pulled && force < test.stop_force_fraction * state.max_force {
+        if has_broken && is_pulled && force.max(0.0) < test.stop_force_fraction * state.max_force {
             return Some(StopReason::ForceDropped);
         }
         if test.history.is_empty() {
