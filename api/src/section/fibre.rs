@@ -107,6 +107,20 @@ impl Band {
             .then(|| Fine::through([middle - half, middle + half], across))
     }
 
+    /// Where it ends along an axis that it lies along, outside of the section where it runs through [mm].
+    pub fn ends_along(&self, axis: usize) -> Option<[f64; 2]> {
+        let middle = self.through_mm[axis];
+        let half = self.half_length_mm;
+        self.is_across(1 - axis)
+            .then(|| [middle - half, middle + half])
+    }
+
+    /// Whether another fibre of the same direction lies in its own line, if only in part.
+    fn is_level_with(&self, other: &Self) -> bool {
+        let apart = self.distances(other.through_mm)[1].abs();
+        apart < self.half_thickness_mm + other.half_thickness_mm
+    }
+
     /// The part of it inside the section.
     pub fn polygon(&self) -> &Polygon {
         &self.polygon
@@ -116,6 +130,64 @@ impl Band {
     pub fn extent(&self) -> [[f64; 2]; 2] {
         extent(self.polygon.corners())
     }
+}
+
+/// An end of a fibre inside the section.
+#[derive(Debug, Clone, Copy)]
+struct End<'a> {
+    at_mm: f64,
+    band: &'a Band,
+    /// Whether its fibre lies before it along the axis.
+    is_last: bool,
+}
+
+/// What the ends of fibres along an axis ask of its lines.
+///
+/// A line through each end, with cells beside it as small as those across its fibre: there a stress of the size
+/// of the fibre's thickness passes into the matrix. In a gap between two fibres in a line that is narrower than
+/// they are thick, so many cells as across a fibre: nearly all of a broken fibre's stretch may be there.
+pub fn fine_at_ends(bands: &[Band], axis: usize, side: f64, across: u32) -> Vec<Fine> {
+    let slack = 1e-9 * side;
+    let mut ends: Vec<End<'_>> = Vec::new();
+    for band in bands {
+        for (at_mm, is_last) in band
+            .ends_along(axis)
+            .into_iter()
+            .flatten()
+            .zip([false, true])
+        {
+            // one on an edge or outside is none
+            if slack < at_mm && at_mm < side - slack {
+                ends.push(End {
+                    at_mm,
+                    band,
+                    is_last,
+                });
+            }
+        }
+    }
+    ends.sort_by(|a, b| a.at_mm.total_cmp(&b.at_mm));
+    let mut fine = Vec::new();
+    for (place, end) in ends.iter().enumerate() {
+        let thickness = 2.0 * end.band.half_thickness_mm;
+        fine.push(Fine {
+            between: [end.at_mm; 2],
+            size: thickness / f64::from(across),
+        });
+        if !end.is_last {
+            continue;
+        }
+        let within = ends[place + 1..]
+            .iter()
+            .take_while(|other| other.at_mm < end.at_mm + thickness);
+        let facing = within.filter(|other| !other.is_last && other.band.is_level_with(end.band));
+        for other in facing {
+            if other.at_mm > end.at_mm + slack {
+                fine.push(Fine::through([end.at_mm, other.at_mm], across));
+            }
+        }
+    }
+    fine
 }
 
 /// A rectangle around a middle, of half sides along an axis and across it.

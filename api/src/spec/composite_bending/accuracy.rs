@@ -12,15 +12,15 @@ pub type Accuracy = accuracy::Accuracy<Knobs>;
 #[serde(deny_unknown_fields)]
 pub struct Grid {
     /// Cells along x and along y: as equal as they can be with lines of particles on the faces of plies
-    /// and of fibres along an axis. Along an axis with fewer cells than faces ask for, equal.
+    /// and the faces and ends of fibres along an axis. Along an axis with fewer cells than those ask for, equal.
     #[schemars(inner(range(min = 1, max = 32_768)), extend("x-unit" = "1"))]
     pub cells: [u32; 2],
     /// Keeps all cells equal, whatever lies in them, as the paper's lattice does. Faces of stiff fibres
     /// that cut cells make a coarse grid too soft or too stiff by tens of per cent.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub equal_cells: bool,
-    /// Puts lines of particles on the faces of plies and of fibres along an axis, with so many cells
-    /// through each; `cells` then says how large cells may be away from them. Left out: equal cells.
+    /// Puts lines of particles on the faces of plies and the faces and ends of fibres along an axis, with so many
+    /// cells through each and as small ones beside ends; `cells` then says how large cells may be away from them. Left out: equal cells.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 1000), extend("x-unit" = "1"))]
     pub graded_cells_per_fibre: Option<u32>,

@@ -1,7 +1,7 @@
 //! Lines of particles of a spec's grid, as far as the spec alone tells them.
 use super::rollers::beneath_rollers;
 use super::{CompositeBending, Grid, Grips, Lattice, Solver, Support, Way};
-use crate::section::fibre::{Band, Fibre};
+use crate::section::fibre::{Band, Fibre, fine_at_ends};
 use crate::section::lines::{Fine, Towards, even_lines, fitted_lines, graded_lines, pass_through};
 use crate::section::solving::stretch;
 
@@ -145,10 +145,11 @@ impl CompositeBending {
         })
     }
 
-    /// What fibres and plies fill of both axes, with so many cells across each.
+    /// What fibres with their ends and plies ask of both axes, with so many cells across each.
     fn fine(&self, across: u32) -> [Vec<Fine>; 2] {
         let sides = self.sides_mm();
         let mut fine = [Vec::new(), Vec::new()];
+        let mut bands = Vec::with_capacity(self.fibres.len());
         for (place, fibre) in self.fibres.iter().enumerate() {
             let fibre = Fibre {
                 material: 0,
@@ -159,10 +160,13 @@ impl CompositeBending {
             };
             // what is outside is told of elsewhere
             if let Ok(band) = Band::new(place, &fibre, sides) {
-                for (axis, fine) in fine.iter_mut().enumerate() {
-                    fine.extend(band.fine_across(axis, across));
-                }
+                bands.push(band);
             }
+        }
+        for (axis, fine) in fine.iter_mut().enumerate() {
+            let through = bands.iter();
+            fine.extend(through.filter_map(|band| band.fine_across(axis, across)));
+            fine.extend(fine_at_ends(&bands, axis, sides[axis], across));
         }
         let mut below = 0.0;
         for ply in &self.plies {

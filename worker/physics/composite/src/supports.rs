@@ -165,8 +165,9 @@ impl Supports {
             .collect()
     }
 
-    /// By how much what is held moves apart along an axis, what stands still counted with it; along the axis
-    /// where that is more [mm]. Of one face that is moved it is its way, of two that part the sum of theirs.
+    /// By how much what is held moves apart along both axes, what stands still counted with it: the root of the
+    /// squares of both [mm]. Of one face that is moved it is the length of its way, of two that part along an
+    /// axis the sum of theirs.
     #[must_use]
     pub fn reach_mm(&self) -> f64 {
         let mut between = [[0.0_f64; 2]; 2];
@@ -176,7 +177,7 @@ impl Supports {
             (*low, *high) = (low.min(value), high.max(value));
         }
         let [x, y] = between.map(|[low, high]| high - low);
-        x.max(y)
+        x.hypot(y)
     }
 
     /// Whether the section could move as a whole.

@@ -178,8 +178,8 @@ fn checks(
                 error,
                 LARGEST_GRID_ERROR,
                 "1",
-                "Error for the grid over the value, of the largest force of a test that breaks, else of \
-                 the modulus or of the mean top deflection, from coarser grids.",
+                "Error for the grid over the value, of the largest force of a test that breaks or in which faces \
+                 are moved, else of the modulus or of the mean top deflection, from coarser grids.",
             );
         }
     }

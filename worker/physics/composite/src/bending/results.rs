@@ -27,15 +27,15 @@ fn drive(model: &Model<'_>, rest: &Equilibrium, share: f64) -> [f64; 2] {
         let work: f64 = pairs.map(|(force, u)| force * u).sum();
         return [work / total, share * total];
     }
-    let largest = model.supports.reach_mm();
+    let way_mm = model.supports.reach_mm();
     let mut work = 0.0;
     for (place, reaction) in rest.reactions_n.iter().enumerate() {
         if let Some(way) = model.supports.prescribed(place) {
             work += reaction * way;
         }
     }
-    if largest > 0.0 {
-        [share * largest, work / largest]
+    if way_mm > 0.0 {
+        [share * way_mm, work / way_mm]
     } else {
         [0.0; 2]
     }
@@ -136,7 +136,8 @@ fn at_rest(model: &Model<'_>, tested: &Tested) -> Vec<Measured> {
                     "max_force",
                     force,
                     "N",
-                    "Force on the faces that are moved, along their way.",
+                    "Force on the face that is moved, along its way; of several, their work under this force over \
+                     how far they move apart, the root of the squares along x and along y.",
                 );
             }
         }

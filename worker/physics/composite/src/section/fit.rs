@@ -7,11 +7,11 @@ use crate::section::grid::Grid;
 /// How well a grid follows what lies in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fit {
-    /// Lines of particles pass through all faces of plies and fibres.
+    /// Lines of particles pass through all faces of plies and fibres and through the ends of fibres.
     Exact,
     /// All but those of fibres at an angle to both axes, which no grid follows.
     Slanted,
-    /// Cells are cut by faces along an axis.
+    /// Cells are cut by faces along an axis, or by ends of fibres along one.
     Cut,
 }
 

@@ -9,11 +9,11 @@ pub enum Division {
     /// So many equal cells along x and along y.
     Uniform { cells: [usize; 2] },
     /// So many cells along x and along y, as equal as they can be with particle lines on the faces of
-    /// every ply and of every fibre along an axis; along an axis with too few cells for that, equal.
+    /// every ply and on the faces and ends of every fibre along an axis; along an axis with too few cells for that, equal.
     Fitted { cells: [usize; 2] },
-    /// Particle lines on the faces of every ply and of every fibre along an axis, and cells no
+    /// Particle lines on the faces of every ply and the faces and ends of every fibre along an axis, and cells no
     /// larger than a uniform division would have; in a fibre and a ply as small as `across` cells
-    /// through it, growing away from it.
+    /// through it and beside a fibre's end, growing away from it.
     Graded { cells: [usize; 2], across: usize },
 }
 

@@ -1,7 +1,7 @@
 //! A section laid out on its grid: what every cell holds.
 use std::fmt;
 
-use loadframe_api::section::fibre::{Band, refuse_overlap};
+use loadframe_api::section::fibre::{Band, fine_at_ends, refuse_overlap};
 use loadframe_api::section::lines::{Fine, Towards, fitted_lines, graded_lines, pass_through};
 use loadframe_harness::InterruptSource;
 
@@ -315,7 +315,7 @@ pub(crate) fn matrix_share(fibres: f64) -> f64 {
     }
 }
 
-/// Faces of fibres along an axis and of plies, across x and across y [mm].
+/// Faces and ends of fibres along an axis and faces of plies, across x and across y [mm].
 fn faces_across(section: &Section, ply_faces: &[f64], bands: &[Band]) -> [Vec<f64>; 2] {
     [0, 1].map(|axis| {
         let along = bands.iter().filter(|band| band.is_across(axis));
@@ -328,6 +328,8 @@ fn faces_across(section: &Section, ply_faces: &[f64], bands: &[Band]) -> [Vec<f6
                 ]
             })
             .collect();
+        let ends = bands.iter().filter_map(|band| band.ends_along(axis));
+        faces.extend(ends.flatten());
         if axis == 1 && !section.plies.is_empty() {
             faces.extend(ply_faces);
         }
@@ -394,6 +396,7 @@ fn divide(
             .iter()
             .filter_map(|band| band.fine_across(axis, across))
             .collect();
+        fine.extend(fine_at_ends(bands, axis, sides[axis], across));
         if axis == 1 && !section.plies.is_empty() {
             let plies = ply_faces.windows(2);
             fine.extend(plies.map(|pair| Fine::through([pair[0], pair[1]], across)));

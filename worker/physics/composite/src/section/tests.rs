@@ -353,3 +353,70 @@ fn plies_that_miss_the_height_are_refused_with_both_numbers() {
     let layout = thirds.layout(Division::Uniform { cells: [5, 6] }).unwrap();
     assert!((layout.stiffness()[29] - own(0, 0.0)).amax() < 1e-12 * 85.0);
 }
+
+/// Two fibres in a line with a gap of 0.2 mm between them, and one that ends outside of the section.
+fn broken_fibre() -> Section {
+    let short = |x_mm: f64, y_mm: f64, length_mm: f64| Fibre {
+        length_mm: Some(length_mm),
+        ..fibre([x_mm, y_mm], 0.0, 2.0)
+    };
+    section(vec![
+        short(17.45, 25.0, 34.9),
+        short(52.55, 25.0, 34.9),
+        short(35.0, 10.0, 90.0),
+    ])
+}
+
+#[test]
+fn grids_have_lines_on_the_ends_of_fibres_along_an_axis() {
+    let broken = broken_fibre();
+    let graded = Division::Graded {
+        cells: [50, 50],
+        across: 2,
+    };
+    let fitted = Division::Fitted { cells: [50, 50] };
+    for division in [graded, fitted] {
+        let layout = broken.layout(division).unwrap();
+        assert_eq!(layout.fit(), Fit::Exact);
+        let shares = layout.fibre_share();
+        assert!(shares.iter().all(|share| [0.0, 1.0].contains(share)));
+        assert!((fibre_area(&layout) - 2.0 * (2.0 * 34.9 + 70.0)).abs() < 1e-9);
+        // what lies in the gap is matrix
+        let (gap, _) = layout.grid().locate([35.0, 25.01]).unwrap();
+        assert!(shares[gap].abs() < 1e-12);
+    }
+    // so many cells through the gap as through the fibres
+    let layout = broken.layout(graded).unwrap();
+    let within = |x: &&f64| (34.9 + 1e-9..35.1 - 1e-9).contains(*x);
+    assert_eq!(layout.grid().x_mm().iter().filter(within).count(), 1);
+    // cells that an end cuts are said to be cut
+    for division in [
+        Division::Uniform { cells: [50, 50] },
+        Division::Fitted { cells: [2, 50] },
+    ] {
+        assert_eq!(broken.layout(division).unwrap().fit(), Fit::Cut);
+    }
+}
+
+#[test]
+fn fibres_that_end_on_an_edge_or_outside_have_the_grid_of_those_that_run_through() {
+    let with = |length_mm| {
+        let mut through = fibre([35.0, 25.0], 0.0, 2.0);
+        through.length_mm = length_mm;
+        section(vec![through])
+    };
+    for division in [
+        Division::Graded {
+            cells: [10, 10],
+            across: 2,
+        },
+        Division::Fitted { cells: [10, 10] },
+    ] {
+        let expected = with(None).layout(division).unwrap();
+        for length_mm in [70.0, 71.0, 500.0] {
+            let layout = with(Some(length_mm)).layout(division).unwrap();
+            assert_eq!(layout.grid(), expected.grid(), "{length_mm}");
+            assert_eq!(layout.fit(), Fit::Exact);
+        }
+    }
+}
