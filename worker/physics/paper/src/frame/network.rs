@@ -17,10 +17,12 @@ use super::tubes::Tubes;
 
 mod drawing;
 mod ends;
+mod face;
 mod tubes;
 
 pub use drawing::Drawing;
-use ends::{bond_ends, normal_of, strengths, void};
+use ends::{bond_ends, strengths, void};
+use face::normals;
 
 /// Fibres and bonds, ready to be pulled.
 #[derive(Debug, Clone)]
@@ -78,6 +80,7 @@ impl Network {
             lines.push(CentreLine::new(number, fibre)?);
         }
         let ends = bond_ends(&lines, bonds)?;
+        let normals = normals(fibres, &lines, bonds, &ends);
 
         let mut starts = vec![0];
         let mut nodes: Vec<Place> = Vec::new();
@@ -145,12 +148,7 @@ impl Network {
                     fibre: bond.fibres[0],
                 });
             }
-            let apart = nodes[joined[1] as usize].at - nodes[joined[0] as usize].at;
-            let width = bond
-                .fibres
-                .map(|fibre| fibres[fibre as usize].section.width_um);
-            let normal = normal_of(apart, width);
-            elements.push(Element::bond(*joined, normal, bond, model.level));
+            elements.push(Element::bond(*joined, normals[number], bond, model.level));
         }
 
         let mut network = Self {

@@ -87,7 +87,7 @@ impl CentreLine {
         self.arcs[self.arcs.len() - 1]
     }
 
-    /// The point at an arc length [µm].
+    /// The point at an arc length [µm]; straight on beyond the ends.
     pub(crate) fn at(&self, arc: f64) -> Vector3<f64> {
         let last = self.points.len() - 1;
         let next = self
@@ -96,6 +96,12 @@ impl CentreLine {
             .clamp(1, last);
         let share = (arc - self.arcs[next - 1]) / (self.arcs[next] - self.arcs[next - 1]);
         self.points[next - 1].lerp(&self.points[next], share)
+    }
+
+    /// The unit direction of the chord `reach` [µm] to either side of an arc length; 0 where the line turns back.
+    pub(crate) fn along(&self, arc: f64, reach: f64) -> Vector3<f64> {
+        let chord = self.at(arc + reach) - self.at(arc - reach);
+        chord.try_normalize(1e-3 * reach).unwrap_or_default()
     }
 
     /// The nodes of a fibre whose bonds are at `bonds` (ascending arc lengths), and where each bond is.

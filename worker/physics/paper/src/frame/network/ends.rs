@@ -1,16 +1,11 @@
 //! Where bonds end on their fibres, and what they are by themselves.
-use nalgebra::Vector3;
-
 use super::super::error::{FrameError, check};
 use super::super::input::FrameBond;
 use super::super::places::CentreLine;
 
-/// A bond whose two points are closer than this share of its fibres' mean width has its face in the
-/// plane of the sheet: rounded coordinates of two crossing lines say nothing about a direction.
-const COINCIDENT: f64 = 0.01;
-
-/// A bond this share of its fibre's length beyond the end is at the end: round-off of a sum.
-const AT_END: f64 = 1e-9;
+/// A bond this share of its fibre's length beyond the end is at the end: arc lengths are written with few digits. That
+/// of the API's check, so that what it lets in is not refused here.
+const AT_END: f64 = 1e-6;
 
 /// Normal and shear strength [mN], infinite where none is given.
 pub(super) fn strengths(bond: &FrameBond) -> [f64; 2] {
@@ -22,12 +17,6 @@ pub(super) fn strengths(bond: &FrameBond) -> [f64; 2] {
 pub(super) fn void(bonds: &[FrameBond]) -> Vec<u32> {
     let all = 0..bonds.len() as u32;
     all.filter(|&bond| bonds[bond as usize].is_void()).collect()
-}
-
-/// Across the face of a bond whose points are `apart`, of fibres of these widths [µm].
-pub(super) fn normal_of(apart: Vector3<f64>, width: [f64; 2]) -> Vector3<f64> {
-    let is_apart = apart.norm() > COINCIDENT * 0.5 * (width[0] + width[1]);
-    if is_apart { apart } else { Vector3::z() }
 }
 
 /// One end of a bond on its fibre.

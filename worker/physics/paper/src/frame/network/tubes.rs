@@ -6,7 +6,7 @@ use super::super::error::{FrameError, check};
 use super::super::input::{FrameBond, FrameFibre, FrameModel, Level};
 use super::super::places::{CentreLine, jaw_at};
 use super::super::tubes::{Hold, Joint, Ring, Tubes, springs_of};
-use super::{Network, bond_ends, normal_of, strengths, void};
+use super::{Network, bond_ends, normals, strengths, void};
 use crate::fibre::Tube;
 
 /// Places of a bond on one fibre closer than this share of its width are one.
@@ -39,7 +39,9 @@ impl Network {
             lines.push(CentreLine::new(number, fibre)?);
         }
         let mut at_um = vec![[0.0; 2]; bonds.len()];
-        for end in bond_ends(&lines, bonds)? {
+        let ends = bond_ends(&lines, bonds)?;
+        let normals = normals(fibres, &lines, bonds, &ends);
+        for end in ends {
             at_um[end.bond as usize][end.side] = end.arc_um;
         }
 
@@ -71,17 +73,16 @@ impl Network {
 
         let mut joints = Vec::with_capacity(bonds.len());
         for (number, (bond, at_um)) in bonds.iter().zip(&at_um).enumerate() {
-            let [one, other] = bond.fibres.map(|fibre| fibre as usize);
-            let width = fibres[one].section.width_um;
+            let [one, other] = bond.fibres;
+            let width = fibres[one as usize].section.width_um;
             if one == other && (at_um[0] - at_um[1]).abs() <= ONE_PLACE * width {
                 return Err(FrameError::SamePoint {
                     bond: number,
-                    fibre: bond.fibres[0],
+                    fibre: one,
                 });
             }
             let [from, to] = [0, 1].map(|side| lines[bond.fibres[side] as usize].at(at_um[side]));
             let touch = from.lerp(&to, 0.5);
-            let widths = [width, fibres[other].section.width_um];
             let holds = [0, 1].map(|side| {
                 let fibre = bond.fibres[side] as usize;
                 let first_ring = starts[fibre] / points_on_ring as u32;
@@ -101,7 +102,7 @@ impl Network {
                     at: touch,
                 }
             });
-            let like = Element::bond([0, 1], normal_of(to - from, widths), bond, Level::Tube);
+            let like = Element::bond([0, 1], normals[number], bond, Level::Tube);
             joints.push(Joint {
                 holds,
                 axes: like.axes,

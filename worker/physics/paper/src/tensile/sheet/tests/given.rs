@@ -24,6 +24,23 @@ fn lap() -> Value {
 }
 
 #[test]
+fn a_lap_shears_though_its_arc_lengths_are_rounded() {
+    // its points are half a micrometre apart along both fibres: no force opens it
+    let mut spec = lap();
+    let bond = &mut spec["specimen"]["explicit"]["bonds"][0];
+    bond["at_um"][1] = json!(99.5);
+    bond["normal_strength_n"] = json!(0.001);
+    let (report, _) = go(&spec, 1);
+    assert!((value(&report, "max_force") / 0.004 - 1.0).abs() < 1e-9);
+    assert_eq!(value(&report, "broken_bonds_opened"), 0.0);
+    // as far beyond the end as is let in: 1e-6 of 600 µm
+    let bond = &mut spec["specimen"]["explicit"]["bonds"][0];
+    bond["at_um"] = json!([600.0005, 200]);
+    let (report, _) = go(&spec, 1);
+    assert!((value(&report, "max_force") / 0.004 - 1.0).abs() < 1e-9);
+}
+
+#[test]
 fn a_lap_of_two_fibres_is_three_springs_in_series_until_its_bond_shears() {
     let (report, record) = go(&lap(), 1);
     // 250 N/m/µm² × 400 µm² = 1e5 N/m = 100 mN/µm; each fibre 500 µm long

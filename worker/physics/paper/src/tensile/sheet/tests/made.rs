@@ -24,7 +24,8 @@ fn a_sheet_has_its_grammage_breaks_and_is_softer_than_coxs() {
     let [index, cox] =
         ["tensile_stiffness_index", "cox_stiffness_index"].map(|name| value(&report, name));
     assert!(index > 0.02 * cox && index < cox, "{index} {cox}");
-    assert_eq!(report.stop_reason, "force_dropped");
+    // by the last avalanche, that takes most or all of the force
+    assert_eq!(report.stop_reason, "parted");
     let broken = value(&report, "broken_bonds");
     let events = record.table("events.csv");
     assert!(broken > 20.0 && value(&report, "broken_fibres") > 0.0);
