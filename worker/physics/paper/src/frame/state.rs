@@ -49,11 +49,19 @@ pub(crate) struct Moving {
     pub(crate) motion: Vec<[f64; 6]>,
     pub(crate) velocity: Vec<[f64; 6]>,
     pub(crate) now: Moved,
-    /// Means between points of the curve, and how many there were when the force was largest.
+    /// Means between points of the curve.
     pub(crate) intervals: Vec<Interval>,
-    pub(crate) until_peak: usize,
-    /// Motion and number of broken parts then.
-    pub(crate) peak: Option<(Vec<[f64; 6]>, usize)>,
+    pub(crate) peak: Option<MovingPeak>,
+}
+
+/// When the force of masses in motion was largest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct MovingPeak {
+    pub(crate) motion: Vec<[f64; 6]>,
+    pub(crate) broken: usize,
+    /// Whole intervals before it, and means from the last point of the curve up to it.
+    pub(crate) intervals: usize,
+    pub(crate) last: Interval,
 }
 
 /// What masses in motion have done so far.
@@ -178,7 +186,7 @@ impl PullMeasures {
 impl Moving {
     /// The same where the force was largest, to look at.
     fn at_peak(&self) -> Option<Self> {
-        let (motion, _) = self.peak.as_ref()?;
+        let motion = &self.peak.as_ref()?.motion;
         Some(Self {
             velocity: vec![[0.0; 6]; motion.len()],
             motion: motion.clone(),
@@ -198,7 +206,7 @@ impl PullState {
             .as_ref()
             .and_then(|yielded| yielded.peak.as_ref());
         let moved = self.moving.as_ref().and_then(|moving| moving.peak.as_ref());
-        let broken = moved.map_or(broken, |(_, broken)| *broken);
+        let broken = moved.map_or(broken, |peak| peak.broken);
         Self {
             factored: gone.take(broken).copied().collect(),
             taken: Vec::new(),

@@ -21,7 +21,7 @@ use super::super::places::Jaw;
 use super::super::pull::PullTest;
 use super::super::pulling::{CurvePoint, Loads, Pulling};
 use super::super::springs::SpringSum;
-use super::super::state::{Interval, Moved, Moving, PullCost, PullState};
+use super::super::state::{Interval, Moved, Moving, MovingPeak, PullCost, PullState};
 use super::super::survey::{breaks_at, survey_of};
 use super::masses::Masses;
 use super::{MotionReport, MotionTest};
@@ -52,9 +52,24 @@ pub(crate) struct MovingPull<'n, E: SpringSum> {
     now: Moved,
 }
 
+/// The largest force is sought in means over at most this share of the stretch so far that end where something breaks,
+/// and in at most an interval of the curve: where force grows evenly, the last mean before a break is half of it too
+/// low. Shorter ones would find waves.
+const WINDOW: f64 = 0.01;
+
+/// Steps of which a force is the mean.
+struct Window {
+    from_um: f64,
+    work_from_nj: f64,
+    steps: u64,
+    /// Of the right jaw [mN].
+    force: f64,
+}
+
 /// Sums over the steps of an interval.
 #[derive(Default)]
 struct Sums {
+    steps: u64,
     forces: [f64; 2],
     kinetic: f64,
     stored: f64,
@@ -191,12 +206,6 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
     }
 
     fn keep(&mut self) {
-        let flat = |nodes: &[[Vector3<f64>; 2]]| {
-            nodes
-                .iter()
-                .map(|[shift, turn]| [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z])
-                .collect()
-        };
         let moving = self.state.moving.get_or_insert_default();
         moving.motion = flat(&self.motion.nodes);
         moving.velocity = flat(&self.velocity);
@@ -270,7 +279,7 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
     }
 
     /// One step of time; gives what broke.
-    fn step(&mut self, sums: &mut Sums) -> Vec<Event> {
+    fn step(&mut self, sums: &mut Sums, window: &mut Window) -> Vec<Event> {
         let (stored, work, drag) = (self.forces.energy, self.now.work_nj, self.now.drag_nj);
         let [kinetic, power] = self.kick();
         sums.last = [kinetic, stored, work, drag, self.now.released_nj];
@@ -283,9 +292,12 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
         let to_mn = self.forces.at_jaws(self.network.jaws());
         let middle = [0, 1].map(|jaw| 0.5 * (from_mn[jaw] + to_mn[jaw]));
         self.now.work_nj += middle[1] * self.speed * self.step_us;
+        sums.steps += 1;
         for (sum, force) in sums.forces.iter_mut().zip(middle) {
             *sum += force;
         }
+        window.steps += 1;
+        window.force += middle[1];
         if factor <= 1.0 {
             self.break_parts()
         } else {
@@ -335,45 +347,77 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
         breaking.events(network, broken)
     }
 
-    /// Takes down an interval whose steps are done.
-    fn measure(&mut self, from_um: f64, work_from_nj: f64, sums: &Sums) {
-        let steps = self.steps_of_interval as f64;
-        let [kinetic, stored, work, drag, released] = sums.last;
-        let forces_mn = sums.forces.map(|sum| sum / steps);
-        let at_um = 0.5 * (from_um + self.state.elongation_um);
+    /// A window that begins here.
+    fn window(&self) -> Window {
+        Window {
+            from_um: self.state.elongation_um,
+            work_from_nj: self.now.work_nj,
+            steps: 0,
+            force: 0.0,
+        }
+    }
+
+    /// Whether an interval from here is short enough to be one window.
+    fn is_short(&self) -> bool {
+        let whole = self.steps_of_interval;
+        whole as f64 <= WINDOW * (self.now.steps + whole) as f64
+    }
+
+    /// Means since the last point of the curve, which was at `from_um`.
+    fn means(&self, from_um: f64, sums: &Sums) -> Interval {
+        let steps = sums.steps as f64;
+        let kinetic_share = if sums.stored > 0.0 {
+            sums.kinetic / sums.stored
+        } else {
+            f64::INFINITY
+        };
+        Interval {
+            at_um: 0.5 * (from_um + self.state.elongation_um),
+            forces_mn: sums.forces.map(|sum| sum / steps),
+            kinetic_share,
+            stored_nj: sums.stored / steps,
+        }
+    }
+
+    /// Asks whether the force of a window, the last of these sums, is the largest so far.
+    /// What broke at its end has borne it.
+    fn seek_peak(&mut self, window: &Window, broke: usize, from_um: f64, sums: &Sums) {
+        let force_mn = window.force / window.steps as f64;
+        if force_mn <= self.state.measures.peak_force_mn {
+            return;
+        }
+        let last = self.means(from_um, sums);
         let turn = self.largest_turn();
+        let at_um = 0.5 * (window.from_um + self.state.elongation_um);
+        let measures = &mut self.state.measures;
+        measures.peak_force_mn = force_mn;
+        measures.strain_at_peak = at_um / self.network.model().length_um;
+        measures.work_to_peak_nj = 0.5 * (window.work_from_nj + self.now.work_nj);
+        measures.turn_to_peak_rad = measures.turn_to_peak_rad.max(turn);
+        let broken = measures.broken() - broke;
+        if let Some(moving) = &mut self.state.moving {
+            moving.peak = Some(MovingPeak {
+                motion: flat(&self.motion.nodes),
+                broken,
+                intervals: moving.intervals.len(),
+                last,
+            });
+        }
+    }
+
+    /// Takes down an interval whose steps are done.
+    fn measure(&mut self, from_um: f64, sums: &Sums) {
+        let [kinetic, stored, work, drag, released] = sums.last;
+        let interval = self.means(from_um, sums);
         let measures = &mut self.state.measures;
         measures.stored_nj = stored;
         measures.kinetic_nj = kinetic - self.now.kinetic_at_start_nj;
         measures.work_nj = work;
         measures.drag_nj = drag;
         measures.released_nj = released;
-        let share = if sums.stored > 0.0 {
-            sums.kinetic / sums.stored
-        } else {
-            f64::INFINITY
-        };
-        let interval = Interval {
-            at_um,
-            forces_mn,
-            kinetic_share: share,
-            stored_nj: sums.stored / steps,
-        };
-        let is_peak = forces_mn[1] > measures.peak_force_mn;
-        if is_peak {
-            measures.peak_force_mn = forces_mn[1];
-            measures.strain_at_peak = at_um / self.network.model().length_um;
-            measures.work_to_peak_nj = 0.5 * (work_from_nj + self.now.work_nj);
-            measures.turn_to_peak_rad = measures.turn_to_peak_rad.max(turn);
-        }
         self.keep();
-        let broken = self.state.measures.broken();
         if let Some(moving) = &mut self.state.moving {
             moving.intervals.push(interval);
-            if is_peak {
-                moving.peak = Some((moving.motion.clone(), broken));
-                moving.until_peak = moving.intervals.len();
-            }
         }
     }
 
@@ -383,7 +427,9 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
             return;
         };
         let peak = self.state.measures.peak_force_mn;
-        let until_peak = moving.intervals.iter().take(moving.until_peak);
+        let whole = moving.peak.as_ref().map_or(0, |peak| peak.intervals);
+        let last = moving.peak.as_ref().map(|peak| &peak.last);
+        let until_peak = moving.intervals.iter().take(whole).chain(last);
         let asked = until_peak.filter(|one| one.forces_mn[1] >= ASKED_FROM * peak);
         let (mut share, mut imbalance) = (0.0_f64, 0.0_f64);
         for one in asked {
@@ -434,6 +480,13 @@ impl<'n, E: SpringSum> MovingPull<'n, E> {
     }
 }
 
+fn flat(nodes: &[[Vector3<f64>; 2]]) -> Vec<[f64; 6]> {
+    nodes
+        .iter()
+        .map(|[shift, turn]| [shift.x, shift.y, shift.z, turn.x, turn.y, turn.z])
+        .collect()
+}
+
 fn halves(motion: &[f64; 6]) -> [Vector3<f64>; 2] {
     let [a, b, c, d, e, f] = *motion;
     [Vector3::new(a, b, c), Vector3::new(d, e, f)]
@@ -450,18 +503,25 @@ impl<E: SpringSum> Pulling for MovingPull<'_, E> {
             self.state.ended = Some(end);
             return Ok(Step::Ended(end));
         }
-        let (from_um, work_nj) = (self.state.elongation_um, self.now.work_nj);
-        let mut sums = Sums::default();
+        let (from_um, is_short) = (self.state.elongation_um, self.is_short());
+        let (mut sums, mut window) = (Sums::default(), self.window());
         let mut events = Vec::new();
         for _ in 0..self.steps_of_interval {
-            events.extend(self.step(&mut sums));
+            let broke = self.step(&mut sums, &mut window);
+            let is_full = window.steps as f64 >= WINDOW * self.now.steps as f64;
+            let is_cut = !is_short && (is_full || !broke.is_empty());
+            if is_cut || sums.steps == self.steps_of_interval {
+                self.seek_peak(&window, broke.len(), from_um, &sums);
+                window = self.window();
+            }
+            events.extend(broke);
         }
         if !self.forces.energy.is_finite() {
             return Err(FrameError::Unstable {
                 step: self.now.steps,
             });
         }
-        self.measure(from_um, work_nj, &sums);
+        self.measure(from_um, &sums);
         Ok(Step::Moved(events))
     }
 
