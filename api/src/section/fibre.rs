@@ -112,7 +112,7 @@ impl Band {
         let middle = self.through_mm[axis];
         let half = self.half_length_mm;
         self.is_across(1 - axis)
-            .then(|| [middle - half, middle + half])
+            .then_some([middle - half, middle + half])
     }
 
     /// Whether another fibre of the same direction lies in its own line, if only in part.

@@ -210,9 +210,8 @@ impl JobEdit {
             ("priority", self.priority.is_some()),
             ("overrun_factor", self.overrun_factor.is_some()),
         ];
-        let changed = fields
-            .into_iter()
-            .filter_map(|(field, is_changed)| is_changed.then(|| field.to_owned()));
+        let changed = fields.into_iter().filter(|(_, is_changed)| *is_changed);
+        let changed = changed.map(|(field, _)| field.to_owned());
         moved
             .into_iter()
             .chain(changed)
