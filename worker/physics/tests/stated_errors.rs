@@ -35,7 +35,10 @@ const LARGER: Fabrics = Fabrics {
 };
 /// Nine of ten are promised; of six, one outside has a chance of 47 in 100 at that, two of 11.
 const WITHIN: usize = 5;
-const FIRST_SEED: u64 = 200_002;
+/// Of six, two are drafts, whose jaws may tell that they are worse than others: they have no error then.
+const KNOWN: usize = 4;
+/// The first from which all of them lie within the range of the tables.
+const FIRST_SEED: u64 = 200_102;
 /// A_cc, step and precision of `standard`.
 const USUAL: [f64; 3] = [100.0, 0.01, 0.01];
 
@@ -58,11 +61,14 @@ fn the_finest_test_of_a_fabric_lies_within_twice_the_stated_error() {
         let apart = all.iter().map(|results| {
             let found = results.iter().find(|(found, _)| found == name);
             let (_, apart) = found.expect("a measured result");
-            apart.unwrap_or_else(|| panic!("{name} has no error"))
+            *apart
         });
-        let apart: Vec<f64> = apart.collect();
-        let within = apart.iter().filter(|apart| **apart <= 2.0).count();
-        assert!(within >= WITHIN, "{name}: {apart:?}");
+        let apart: Vec<f64> = apart.flatten().collect();
+        let outside = apart.iter().filter(|apart| **apart > 2.0).count();
+        assert!(
+            apart.len() >= KNOWN && outside <= FABRICS as usize - WITHIN,
+            "{name}: {apart:?}"
+        );
     }
 }
 
@@ -162,12 +168,18 @@ fn a_larger_fabric_has_errors_of_its_own() {
 
 #[test]
 fn a_finer_test_states_a_smaller_error_and_a_test_of_another_sort_none() {
-    let error = |setting: &[f64]| {
-        let report = report(&TINY.job(FIRST_SEED, setting)).expect("a result");
+    let modulus_error = |setting: &[f64]| {
+        let (report, log) = told(&TINY.job(FIRST_SEED, setting)).expect("a result");
         let error = report.summary["modulus_at_10_percent"].error.clone();
-        error.expect("a measured fabric").value
+        (error.map(|error| error.value), log)
     };
-    assert!(error(&[1e4, 0.01, 0.01]) < error(&[5.0, 0.01, 0.01]));
+    let error = |setting: &[f64]| modulus_error(setting).0.expect("a measured fabric");
+    assert!(error(&[1e4, 0.01, 0.01]) < error(&[20.0, 0.01, 0.01]));
+    // so coarse that the jaws of this fabric tell more than the table does
+    let (coarse, log) = modulus_error(&[5.0, 0.01, 0.01]);
+    assert_eq!(coarse, None);
+    let words = "the forces on the two jaws differ by";
+    assert!(log.iter().any(|line| line.contains(words)), "{log:?}");
     let (unbroken, _) = fabric(|spec| {
         spec.test.breaking = Breaking::None;
         spec.test.max_strain = 0.2;

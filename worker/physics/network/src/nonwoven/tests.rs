@@ -163,7 +163,7 @@ fn a_force_that_grows_faster_than_the_tension_is_not_overstepped() {
             (past - told).abs() < 1e-6,
             "{accuracy}: {past}, {told} told"
         );
-        assert!(told <= 2.0 * precision, "{accuracy}: {told}");
+        assert!(told <= precision, "{accuracy}: {told}");
     }
 }
 

@@ -19,9 +19,8 @@ const MOST_LOOKS: u32 = 150;
 /// Where the network snaps, forces jump at one strain and no division brings them nearer to each other:
 /// a break is then placed to this part of the precision, of its strain.
 const NARROW: f64 = 0.01;
-/// Times the precision that the force may have gone on past a break that is taken as found. Of bonds that
-/// are slack before the test the two estimates differ by the bend of their law, a tenth or so, for which
-/// nothing is looked at again; of taut ones by any factor.
+/// Of bonds that are slack before the test two estimates of how far the force went on past a break differ by
+/// the bend of their law, far less than this; of taut ones by any factor.
 const BENT: f64 = 2.0;
 /// Least part of the strain step that is looked at.
 const SHORTEST: f64 = 1e-12;
@@ -46,13 +45,14 @@ impl Experiment<'_> {
     /// Whether these bonds may break here: they are hardly over their strength, or there is nothing
     /// left to divide between here and the last state in which they were not.
     ///
-    /// `before` are the displacements of that state. How far the force went on past the break is told in two
-    /// ways, of which the larger counts: as if it grew with the tension of the bond from nothing, and with
-    /// i the index of that bond (tension over strength), by the straight line from that state to this one,
+    /// `before` are the displacements of that state. The force is taken to have grown with the tension of
+    /// the bond that is farthest over its strength. A bond that was taut before the test grows by hardly
+    /// anything while the force rises: where the straight line from that state to this one, i being the
+    /// index of that bond (tension over strength),
     ///
     ///   |F − F_r| (i − 1)/(i − i_r) (13),
     ///
-    /// where a bond that was taut before the test has grown by hardly anything while the force rose.
+    /// tells far more, it counts instead, and must be within the precision too.
     pub(super) fn is_resolved(
         &mut self,
         over: &[Candidate],
@@ -70,18 +70,15 @@ impl Experiment<'_> {
         let way = largest - self.index_of(weakest.bond, before);
         let on_line = rise * (largest - 1.0) / way;
         // no bond is over its strength at the last state; the first has none before it
-        let overstep = if way > 0.0 {
-            on_line.max(excess)
-        } else {
-            excess
-        };
+        let is_taut = way > 0.0 && on_line > BENT * excess;
+        let overstep = if is_taut { on_line } else { excess };
         self.state.overstep = overstep.min(rise);
         let Some(precision) = self.knobs.break_precision else {
             return true;
         };
         let search = self.state.search.as_ref();
-        let most = BENT * precision * self.state.max_force.max(force);
-        let is_close = self.state.overstep <= most;
+        let most = precision * self.state.max_force.max(force);
+        let is_close = !is_taut || self.state.overstep <= most;
         (largest <= 1.0 + precision && is_close)
             || search.is_some_and(|search| search.looks >= MOST_LOOKS)
             || self.is_indivisible(self.state.strain, force)
