@@ -117,10 +117,12 @@ fn bars_at_an_angle_pull_by_their_component() {
     let strain = (34.0_f64.sqrt() - 5.0) / 5.0;
     let tension = equation_1(strain);
     let expected = 2.0 * tension * 5.0 / 34.0_f64.sqrt();
-    assert_close(record.column("force_n")[1], expected);
-    assert_close(record.column("force_bottom_jaw_n")[1], expected);
+    // at rest, at 10 % where stiffness is read, and at the end
+    assert_eq!(record.column("nominal_strain"), [0.0, 0.1, 0.25]);
+    assert_close(record.column("force_n")[2], expected);
+    assert_close(record.column("force_bottom_jaw_n")[2], expected);
     let energy = 2.0 * 5.0 * (2.0 * strain.powi(2) / 2.0 + 3.0 * strain.powi(3) / 3.0);
-    assert_close(record.column("stored_energy_n_mm")[1], energy);
+    assert_close(record.column("stored_energy_n_mm")[2], energy);
 }
 
 #[test]
@@ -223,9 +225,11 @@ fn at_whole_steps_bonds_break_after_their_strength_and_the_curve_ends_without_lo
         }
     }
     let forces = record.column("force_n");
-    assert_close(forces[4], 2.0 * 2.0 * 0.24);
-    assert_close(forces[5], 2.0 * 0.3);
-    assert_eq!(forces[7..], [0.0]);
+    // the jaw rests between its steps to 0.06 and 0.12, at 10 % where stiffness is read
+    assert_close(forces[2], 2.0 * 2.0 * 0.1);
+    assert_close(forces[5], 2.0 * 2.0 * 0.24);
+    assert_close(forces[6], 2.0 * 0.3);
+    assert_eq!(forces[8..], [0.0]);
     assert_close(value(&report, "max_force"), 2.0 * 2.0 * 0.24);
     assert_close(value(&report, "strain_at_max_force"), 0.24);
     // area of the triangle under the force up to the maximum, over 10 mm x 10 mm
@@ -256,8 +260,8 @@ fn a_force_drop_ends_the_test_when_asked_to() {
     spec.test.stop_force_fraction = 0.7;
     let (report, record) = run(&spec);
     assert_eq!(report.stop_reason, "force_dropped");
-    // steps 0 to 4, before and after the first bar broke
-    assert_eq!(record.points.len(), 7);
+    // steps 0 to 4 and the reading at 10 %, before and after the first bar broke
+    assert_eq!(record.points.len(), 8);
 }
 
 #[test]

@@ -143,8 +143,8 @@ fn turning_the_sheet_about_the_pull_or_upside_down_does_not_matter() {
     let (fibres, bonds) = SMALL.sheet();
     let [length, _] = SMALL.size_um;
     let turns: [&dyn Fn([f64; 3]) -> [f64; 3]; 3] = [
-        // about x by the angle of 3-4-5
-        &|[x, y, z]| [x, 0.6 * y - 0.8 * z, 0.8 * y + 0.6 * z],
+        // half a turn about x: a sheet lies in its plane, where its fibres touch as ribbons do
+        &|[x, y, z]| [x, -y, -z],
         // half a turn about z: the jaws change places
         &|[x, y, z]| [length - x, -y, z],
         &|[x, y, z]| [x, y, -z],
