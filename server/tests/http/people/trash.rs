@@ -1,4 +1,6 @@
 //! What was deleted: unreachable, counted, brought back whole, and gone when its time is over.
+//!
+//! One file, long as it is: every way in and out of the trash is held against the same faces of a job.
 use loadframe_api::Timestamp;
 use loadframe_api::people::{NewShare, Role, Visibility};
 use loadframe_api::worker::ReleaseReason;
