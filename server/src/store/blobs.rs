@@ -341,8 +341,10 @@ mod tests {
         let store = Store::open(StoreOptions::new(folder.path())).await?;
         let blobs = store.blobs();
 
-        // until the guard goes, the collector stands before the question which files have rows
+        // until the guard goes, the collector stands before the question which files have rows; it is asked
+        // twice, as by a start and by a person
         let (file, guard) = blobs.name("let go").await?;
+        blobs.look_through();
         blobs.look_through();
         blobs.let_go(&file);
         guard.named();

@@ -106,7 +106,7 @@ pub(super) struct Collector {
     pub(super) removal: Removal,
     pub(super) moments: Arc<AtomicU64>,
     pub(super) postponed: Postponed,
-    /// What began to wait when the folder was last looked through, and the moment at which it had no row.
+    /// What this collector found first of all that waits, and the moment at which it had no row.
     pub(super) found: BTreeMap<String, Moment>,
 }
 
@@ -198,7 +198,7 @@ impl Collector {
     }
 
     /// Finds all files without a row, and removes those that have waited long enough; from then on, none that
-    /// is found waits for a person by that alone. Returns what begins to wait.
+    /// is found waits for a person by that alone. Returns what waits since this collector found it.
     async fn look_through(&self) -> Result<BTreeMap<String, Moment>> {
         let names = self.storage.names().await?;
         let known = waiting(&self.storage).await?;
@@ -212,7 +212,9 @@ impl Collector {
             // nobody stores a file yet: what gets a row from now on loses it at a later moment
             let moment = Moment(self.moments.load(Ordering::SeqCst));
             for name in unnamed {
-                if !known.contains_key(&name) {
+                // it may be looked for twice before it is told that its row has gone
+                let before = self.found.get(&name).copied();
+                if let Some(moment) = before.or((!known.contains_key(&name)).then_some(moment)) {
                     found.insert(name.clone(), moment);
                 }
                 let first = if self.is_behind {
