@@ -120,3 +120,33 @@ async fn the_same_key_for_another_project_is_another_request() {
         assert_eq!(submit(one, key).await.json(), first.json());
     }
 }
+
+#[tokio::test]
+async fn a_job_that_shows_another_name_of_its_project_has_another_tag() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    let path = format!("/v1/jobs/{}", group.submit(anna, project).await);
+    let asked = async |tag: &str| {
+        let (name, value) = &anna.known_by;
+        let headers = [(*name, &**value), ("if-none-match", tag)];
+        group.lab.send(request("GET", &path, &headers, "")).await
+    };
+    let before = asked("\"none\"").await;
+    let tag = before.header("etag").to_owned();
+    assert_eq!(asked(&tag).await.status, 304);
+    changed(&group, anna, project, json!({ "name": "another" })).await;
+    let after = asked(&tag).await;
+    assert_eq!(after.status, 200);
+    assert_eq!(after.json()["project"]["name"], "another");
+    // which still names the version that an edit may know
+    let (name, value) = &anna.known_by;
+    let headers = [
+        (*name, &**value),
+        ("origin", "http://localhost"),
+        JSON,
+        ("if-match", after.header("etag")),
+    ];
+    let edit = request("PATCH", &path, &headers, "{\"name\": \"n\"}");
+    assert_eq!(group.lab.send(edit).await.status, 200);
+}
