@@ -225,7 +225,7 @@ impl Collector {
                 };
                 match known.get(&name).copied().unwrap_or(first) {
                     Waits::Since(since) if now - since >= millis(self.wait) => {
-                        over.push((name, since))
+                        over.push((name, since));
                     }
                     waits => {
                         still.insert(name, waits);

@@ -549,7 +549,7 @@ async fn a_project_of_which_a_job_is_taken_meanwhile_keeps_all_its_jobs() {
         released.expect("given back");
     }
     let lease = lease.expect("a claim after the first jobs went");
-    assert_eq!(trashed(&group, anna).await, Vec::<Value>::new());
+    assert_eq!(trashed(&group, anna).await.len(), 0);
     let path = format!("/v1/jobs?project={project}&limit=200");
     let mut kept = ids(&group.get(anna, &path).await.json());
     kept.sort_unstable();
