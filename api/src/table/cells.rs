@@ -34,6 +34,8 @@ pub(super) struct Line {
     pub(super) number: u64,
     /// Without quotes, spaces around them, and empty cells at the end.
     pub(super) cells: Vec<String>,
+    /// Whether empty lines stand above it.
+    pub(super) is_parted: bool,
 }
 
 /// A text parted by one separator.
@@ -203,10 +205,17 @@ fn part(text: &str, separator: Separator, skipped: u64) -> Result<Parted, Refusa
         }
     };
     let mut lines = Vec::new();
+    let mut is_parted = false;
     let mut push = |number: u64, mut cells: Vec<String>| {
         tidy(&mut cells);
-        if number > skipped && !cells.is_empty() {
-            lines.push(Line { number, cells });
+        if cells.is_empty() {
+            is_parted = true;
+        } else if number > skipped {
+            lines.push(Line {
+                number,
+                cells,
+                is_parted: std::mem::take(&mut is_parted),
+            });
         }
     };
     let mut merged = None;
@@ -229,7 +238,14 @@ fn part(text: &str, separator: Separator, skipped: u64) -> Result<Parted, Refusa
                 .map_err(|error| no_points(&error.to_string()))?
             {
                 let from = record.position();
-                let number = from.map_or(0, csv::Position::line);
+                // empty lines before a record count as its own
+                let byte = from.and_then(|from| usize::try_from(from.byte()).ok());
+                let own = byte.and_then(|byte| text.get(byte..)).unwrap_or_default();
+                let empty = own.bytes().take_while(|byte| *byte == b'\n').count() as u64;
+                let number = from.map_or(0, csv::Position::line) + empty;
+                if empty > 0 {
+                    push(number, Vec::new());
+                }
                 // titles and remarks may span lines, numbers within them were points
                 if merged.is_none() && record.iter().any(|cell| cell.contains('\n')) {
                     let to = reader.position().byte();

@@ -127,7 +127,7 @@ fn one(
         None => by_meaning(header, side, wanted)?,
     };
     let column = &header.columns[index];
-    let (symbol, unit) = unit_of(header, index, side, wanted, hint)?;
+    let (symbol, unit) = unit_of(sheet, header, index, side, wanted, hint)?;
     let gauge = || gauge_length(sheet, header);
     let (factor, over) = factor(side, wanted, &symbol, unit, hints, &gauge)?;
     let pure = match symbol.as_str() {

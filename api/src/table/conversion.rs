@@ -2,7 +2,7 @@
 use super::{
     ColumnHint, Hints, Place, Refusal,
     cells::{Line, Sheet},
-    header::{Column, Header, words},
+    header::{Column, Header, column as column_of, words},
     meaning::{is_plain_strain, means},
     unit::{Dimension, Unit, of_column, of_symbol},
     wanted::{Wanted, name_of},
@@ -14,6 +14,7 @@ pub(super) type Gauge = (f64, String);
 /// The unit of a column, by its title or the hint; an empty symbol is a pure number, the name of the
 /// wanted column its own unit.
 pub(super) fn unit_of(
+    sheet: &Sheet,
     header: &Header,
     index: usize,
     side: usize,
@@ -23,7 +24,8 @@ pub(super) fn unit_of(
     let column = &header.columns[index];
     if let Some(symbol) = hint.unit {
         let unit = of_symbol(symbol);
-        if column.unit.is_some() && unit.is_some() && column.unit != unit {
+        if column.beyond.is_none() && column.unit.is_some() && unit.is_some() && column.unit != unit
+        {
             let detail = format!("the title of column {} is '{}'", index + 1, column.title);
             let refusal = Refusal::new(
                 Place::Unit(side),
@@ -37,9 +39,10 @@ pub(super) fn unit_of(
     }
     let own = of_column(&wanted.name);
     match (&column.symbol, column.unit) {
-        (Some(symbol), Some(unit)) => Ok((symbol.clone(), Some(unit))),
         // exactly the job's column, or one that has no unit on either side
         _ if column.title.eq_ignore_ascii_case(&wanted.name) => Ok((wanted.name.clone(), own)),
+        _ if column.beyond.is_some() => Err(beyond(side, index, column)),
+        (Some(symbol), Some(unit)) => Ok((symbol.clone(), Some(unit))),
         (Some(symbol), None) => {
             let detail = format!(
                 "the unit {symbol:?} of column {} '{}' is not known",
@@ -54,6 +57,15 @@ pub(super) fn unit_of(
             let detail = format!("column {} '{}' has no unit", index + 1, column.title);
             Err(open_unit(side, own, detail))
         }
+        (None, _) if let Some(line) = own.and_then(|own| unit_above(sheet, header, own)) => {
+            let detail = format!(
+                "column {} '{}' has no unit, but line {} above it names one",
+                index + 1,
+                column.title,
+                line.number
+            );
+            Err(open_unit(side, own, detail))
+        }
         (None, _) if own.is_some_and(|unit| unit.dimension == Dimension::Ratio) => {
             Ok((String::new(), own))
         }
@@ -66,6 +78,54 @@ pub(super) fn unit_of(
             Err(open_unit(side, own, detail))
         }
     }
+}
+
+/// A line above the names that speaks of units, or has one like `own` that is another.
+fn unit_above<'a>(sheet: &'a Sheet, header: &Header, own: Unit) -> Option<&'a Line> {
+    const UNITS: [&str; 11] = [
+        "unit",
+        "units",
+        "einheit",
+        "einheiten",
+        "jednotka",
+        "jednotky",
+        "unite",
+        "unites",
+        "unidad",
+        "unidades",
+        "unita",
+    ];
+    // a strain stands beside shares of all kinds, such as the force at which a test ends
+    let is_measure = own.dimension != Dimension::Ratio;
+    let is_other = |cell: &String| {
+        let unit = column_of(cell).unit;
+        unit.is_some_and(|unit| unit.dimension == own.dimension && unit != own)
+    };
+    sheet.lines[..header.above].iter().find(|line| {
+        let mut cells = line.cells.iter();
+        cells.any(|cell| {
+            words(cell)
+                .iter()
+                .any(|word| UNITS.contains(&word.as_str()))
+                || is_measure && is_other(cell)
+        })
+    })
+}
+
+/// A title that says more than a name and a unit.
+fn beyond(side: usize, index: usize, column: &Column) -> Refusal {
+    let said = column.beyond.as_deref().unwrap_or_default();
+    let detail = format!(
+        "column {} '{}' says more than a name and a unit ({said:?}), which tables are not converted by",
+        index + 1,
+        column.title
+    );
+    let allowed = format!(
+        "a title of name and unit alone, its numbers converted to that; or reading.{0}.column with its name \
+         or number and reading.{0}.unit with what a 1 in it stands for",
+        name_of(side)
+    );
+    Refusal::new(Place::Unit(side), "ambiguous", detail, &allowed).value(column.title.clone())
 }
 
 /// Whether the title leaves no doubt of what a column without unit measures.
@@ -138,6 +198,18 @@ pub(super) fn factor(
             let (gauge, from) = length()?;
             let over = format!(" times the gauge length of {gauge} mm ({from})");
             Ok((round(1e-3 * gauge * unit.factor / own.factor), over))
+        }
+        (Dimension::ForcePerLength, Dimension::Force) => {
+            let detail = format!(
+                "{} is a force, but the column is one per width ({symbol})",
+                wanted.name
+            );
+            let allowed = format!(
+                "{}: the column times the width of the job's specimen",
+                own.dimension.words().1
+            );
+            let refusal = Refusal::new(Place::Unit(side), "not_allowed", detail, &allowed);
+            Err(refusal.value(symbol))
         }
         (one, other) => {
             let detail = format!(

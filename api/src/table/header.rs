@@ -3,6 +3,7 @@ use super::{
     Place, Refusal,
     cells::{Line, Sheet, no_points},
     number::is_number,
+    scale::beyond,
     unit::{Unit, of_column, of_symbol},
 };
 
@@ -17,6 +18,8 @@ pub(super) struct Column {
     pub(super) symbol: Option<String>,
     /// That unit, where it is known.
     pub(super) unit: Option<Unit>,
+    /// What else the title says that makes its numbers others.
+    pub(super) beyond: Option<String>,
 }
 
 /// What the lines of a sheet are.
@@ -58,6 +61,9 @@ impl Header {
             Some(at) if lines.get(at + 1).is_some_and(are_units) => {
                 Self::over(lines, at, Some(at + 1))
             }
+            Some(at) if at > 0 && is_text(&lines[at - 1]) && are_units(&lines[at - 1]) => {
+                Self::over(lines, at, Some(at - 1))
+            }
             Some(at) => Self::over(lines, at, None),
         };
         header.check(sheet)?;
@@ -73,20 +79,29 @@ impl Header {
                 .map(|cell| bare(cell))
                 .filter(|s| !s.is_empty());
             match symbol {
-                Some(symbol) => Column {
-                    title: format!("{title} [{symbol}]"),
-                    words: words(title),
-                    unit: of_symbol(symbol),
-                    symbol: Some(symbol.to_owned()),
-                },
+                Some(symbol) => {
+                    let unit = of_symbol(symbol);
+                    let own = column(title);
+                    // a unit in the title, too, is the same one
+                    let other = own.symbol.filter(|own| {
+                        of_symbol(own).is_some_and(|own| Some(own) != unit) && !is_counter(own)
+                    });
+                    Column {
+                        title: format!("{title} [{symbol}]"),
+                        words: words(title),
+                        unit,
+                        symbol: Some(symbol.to_owned()),
+                        beyond: own.beyond.or(other),
+                    }
+                }
                 None => column(title),
             }
         });
         Self {
             line: lines[names].number,
             columns: columns.collect(),
-            first: units.unwrap_or(names) + 1,
-            above: names,
+            first: units.map_or(names, |units| units.max(names)) + 1,
+            above: units.map_or(names, |units| units.min(names)),
         }
     }
 
@@ -208,20 +223,31 @@ fn bare(cell: &str) -> &str {
 
 /// A title taken apart: `Load (mN)`, `Kraft [N]`, `F / N`, `Kraft in N`, `Load, N`, `Load N`,
 /// `force_n`. The last of several brackets that holds a unit counts.
-fn column(title: &str) -> Column {
-    let of = |name: &str, symbol: &str| Column {
+pub(super) fn column(title: &str) -> Column {
+    let of = |name: &str, symbol: &str, rest: &str| Column {
         title: title.to_owned(),
         words: words(name),
         unit: of_symbol(symbol),
         symbol: Some(symbol.to_owned()),
+        beyond: beyond(rest),
     };
     let groups = brackets(title);
     let outside = || {
         let cut = title.find(['(', '[', '{', '<']).unwrap_or(title.len());
         &title[..cut]
     };
-    if let Some(symbol) = groups.iter().rev().find(|group| of_symbol(group).is_some()) {
-        return of(outside(), symbol);
+    let known = |group: &&&str| of_symbol(group).is_some();
+    if let Some(symbol) = groups.iter().rev().find(known) {
+        // `(1)` is a channel, `(s)` the letter of a way
+        let mut units = groups.iter().filter(known).filter(|unit| !is_counter(unit));
+        let other = units.find(|unit| **unit != *symbol && !["s", "m", "h"].contains(unit));
+        let rest = without_units(title);
+        let column = of(outside(), symbol, &rest);
+        let other = other.map(|unit| (*unit).to_owned());
+        return Column {
+            beyond: column.beyond.or(other),
+            ..column
+        };
     }
     // a slash comes last: it is part of `mm/mm` and `N/mm²`
     for parting in [" ", ",", "_", " in ", "/"] {
@@ -231,7 +257,7 @@ fn column(title: &str) -> Column {
         // `in` and `h` are words of their own where nothing parts them but a space
         let is_sure = parting != " " || !["in", "h", "m", "s", "-", "1"].contains(&symbol);
         if is_sure && !name.trim().is_empty() && of_symbol(symbol).is_some() {
-            return of(name, symbol.trim());
+            return of(name, symbol.trim(), name);
         }
     }
     let mut plain = Column {
@@ -239,18 +265,25 @@ fn column(title: &str) -> Column {
         words: words(title),
         symbol: groups.last().map(|group| (*group).to_owned()),
         unit: None,
+        beyond: beyond(title),
     };
     if groups.is_empty() {
         if let Some(unit) = of_symbol(title) {
             plain.unit = Some(unit);
             plain.symbol = Some(title.to_owned());
             plain.words.clear();
+            plain.beyond = None;
         } else if is_own_name(title) {
             plain.unit = of_column(title);
             plain.symbol = plain.unit.map(|_| "its name".to_owned());
         }
     }
     plain
+}
+
+/// Whether a unit of pure numbers may be a channel or a dash instead.
+fn is_counter(symbol: &str) -> bool {
+    matches!(symbol, "1" | "-")
 }
 
 /// Whether a title is written as this program writes columns: `force_n`.
@@ -273,6 +306,28 @@ fn brackets(title: &str) -> Vec<&str> {
         }
     }
     found
+}
+
+/// A title without what stands in brackets and is a unit.
+fn without_units(title: &str) -> String {
+    let mut rest = String::with_capacity(title.len());
+    let mut open = None;
+    for c in title.chars() {
+        rest.push(c);
+        match c {
+            '(' | '[' | '{' | '<' => open = Some(rest.len()),
+            ')' | ']' | '}' | '>' => {
+                if let Some(from) = open.take()
+                    && of_symbol(rest[from..].trim_end_matches(c)).is_some()
+                {
+                    rest.truncate(from - 1);
+                    rest.push(' ');
+                }
+            }
+            _ => {}
+        }
+    }
+    rest
 }
 
 /// Words in small letters without accents.

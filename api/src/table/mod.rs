@@ -4,7 +4,8 @@
 //! parts it into cells and finds the mark of decimals with the help of [`number`]; [`header`] finds
 //! the line of names, with its [`unit`]s; [`choice`] decides which columns are meant, by their
 //! [`meaning`], and by what factor of [`conversion`] they become the job's; [`origin`] takes slack or preload off. What can be understood in two
-//! ways is refused with both, never decided; every line after the names is a point or refused.
+//! ways is refused with both, never decided; every line after the names is a point or refused. [`scale`]
+//! finds what a title says beyond name and unit, [`rows`] lines that are no points.
 //!
 //! What the user says beyond the text are [`Hints`]; a table that is not understood is a [`Refusal`].
 //! Nothing here knows of jobs: what is [`wanted`] is two columns by name.
@@ -12,12 +13,16 @@ mod cells;
 mod choice;
 mod conversion;
 mod encoding;
+#[cfg(test)]
+mod exports;
 mod header;
 mod hints;
 mod meaning;
 mod number;
 mod origin;
 mod refusal;
+mod rows;
+mod scale;
 #[cfg(test)]
 mod tests;
 mod unit;
@@ -49,6 +54,7 @@ pub fn read(text: &str, wanted: &[Wanted; 2], hints: &Hints<'_>) -> Result<Readi
     let (text, coded) = encoding::text(text)?;
     let sheet = Sheet::new(&text, hints.decimal)?;
     let header = Header::find(&sheet)?;
+    rows::check(&sheet.lines[header.first..])?;
     let choice = Choice::new(&sheet, &header, wanted, hints)?;
     let mut points = Vec::with_capacity(sheet.lines.len() - header.first);
     for line in &sheet.lines[header.first..] {

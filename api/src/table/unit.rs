@@ -29,6 +29,40 @@ const INCH: f64 = 0.0254;
 
 /// The unit of this symbol. Masses are no forces here: `kg` may mean either.
 pub(crate) fn of_symbol(symbol: &str) -> Option<Unit> {
+    let symbol = symbol.trim().trim_end_matches('.');
+    if let Some(unit) = of_width(symbol) {
+        return Some(unit);
+    }
+    // `m·N` is no millinewton
+    let words = symbol.split_whitespace();
+    let are_letters = |word: &str| word.chars().all(char::is_alphabetic);
+    let is_product = symbol.contains(['·', '*', '⋅', '.'])
+        || words.clone().count() > 1 && words.clone().all(are_letters);
+    of_bare(symbol).filter(|unit| !is_product || unit.dimension == Dimension::Moment)
+}
+
+/// A force of a strip: `N/15mm`, `N per 15 mm`, as paper is tested (ISO 1924-2).
+fn of_width(symbol: &str) -> Option<Unit> {
+    let (force, width) = symbol
+        .split_once(" per ")
+        .or_else(|| symbol.split_once('/'))?;
+    let unit = width
+        .trim()
+        .trim_start_matches(|c: char| c.is_ascii_digit());
+    let number = width.trim().strip_suffix(unit)?;
+    let number: u32 = if number.is_empty() { "1" } else { number }
+        .parse()
+        .ok()
+        .filter(|number| *number > 0)?;
+    let (force, length) = (of_bare(force)?, of_bare(unit)?);
+    let is_strip = force.dimension == Dimension::Force && length.dimension == Dimension::Length;
+    is_strip.then(|| Unit {
+        dimension: Dimension::ForcePerLength,
+        factor: force.factor / (f64::from(number) * length.factor),
+    })
+}
+
+fn of_bare(symbol: &str) -> Option<Unit> {
     use Dimension::{Energy, Force, ForcePerLength, Length, Moment, Ratio, Stress, Time};
     let symbol: String = symbol
         .trim()
@@ -152,6 +186,28 @@ mod tests {
         assert_eq!(factor("torque_n_mm"), Some((Dimension::Moment, 1e-3)));
         assert_eq!(factor("curvature_per_mm"), None);
         assert_eq!(factor("broken_bonds"), None);
+    }
+
+    #[test]
+    fn a_force_of_a_strip_is_over_its_width_and_a_product_is_no_prefix() {
+        // 3 N over 15 mm: 200 N/m
+        for symbol in ["N/15mm", "N/15 mm", "N per 15 mm"] {
+            let unit = of_symbol(symbol).expect("a unit");
+            assert_eq!(unit.dimension, Dimension::ForcePerLength, "{symbol}");
+            assert!(
+                (3.0 * unit.factor - 200.0).abs() < 1e-12,
+                "{unit:?} of {symbol}"
+            );
+        }
+        for unknown in ["m·N", "m*N", "m N", "k.N", "N/0mm", "N/15", "N/1.5mm"] {
+            assert_eq!(of_symbol(unknown), None, "{unknown}");
+        }
+        let dimension = |symbol| of_symbol(symbol).map(|unit| unit.dimension);
+        for moment in ["N·m", "N*mm", "N mm", "N.m"] {
+            assert_eq!(dimension(moment), Some(Dimension::Moment), "{moment}");
+        }
+        assert_eq!(dimension("sec."), Some(Dimension::Time));
+        assert_eq!(dimension("N / mm²"), Some(Dimension::Stress));
     }
 
     #[test]

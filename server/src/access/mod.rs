@@ -20,5 +20,6 @@ pub use caller::{Caller, Credential, Identity, Link, Person};
 pub use guesses::Guesses;
 pub use object::{ComparisonFacts, DeletedFacts, JobFacts, ProjectFacts};
 pub use pace::Pace;
+pub(crate) use rule::ARCHIVED;
 pub use rule::{Action, Object, Verdict, may};
 pub use sight::{Sight, Whose};

@@ -3,6 +3,9 @@ use loadframe_api::people::{Role, Scope};
 
 use super::{Caller, ComparisonFacts, DeletedFacts, Identity, JobFacts, ProjectFacts};
 
+/// Why an archived project takes no job, whoever finds it archived.
+pub(crate) const ARCHIVED: &str = "the project is archived and takes no jobs; bring it back first";
+
 /// What is to be done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
@@ -76,9 +79,7 @@ pub fn may(caller: &Caller, action: Action, object: Object) -> Verdict {
         Action::HandOver if !is_owner(caller, object) => {
             Verdict::No("a group's project is handed over by an administrator")
         }
-        Action::Submit if is_archived(object) => {
-            Verdict::No("the project is archived and takes no jobs; bring it back first")
-        }
+        Action::Submit if is_archived(object) => Verdict::No(ARCHIVED),
         _ => Verdict::Yes,
     }
 }

@@ -1,11 +1,16 @@
 //! Values of query parameters that carry their limits in their type.
 use std::fmt;
 
+use loadframe_api::Timestamp;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 /// A whole number from `LOW` to `HIGH`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Number<const LOW: u64, const HIGH: u64>(pub(super) u64);
+
+/// A moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Moment(pub(super) Timestamp);
 
 /// A text of `SHORTEST` to `LONGEST` characters.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,14 +18,25 @@ pub(super) struct Text<const SHORTEST: usize, const LONGEST: usize>(pub(super) S
 
 impl<'de, const LOW: u64, const HIGH: u64> Deserialize<'de> for Number<LOW, HIGH> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let number = u64::deserialize(deserializer)?;
-        if (LOW..=HIGH).contains(&number) {
-            Ok(Self(number))
-        } else {
-            Err(D::Error::custom(format_args!(
-                "{number} is not in {LOW} … {HIGH}"
-            )))
+        let text = String::deserialize(deserializer)?;
+        match text.parse() {
+            Ok(number) if (LOW..=HIGH).contains(&number) => Ok(Self(number)),
+            _ => Err(D::Error::custom(format_args!(
+                "it must be a whole number, {LOW} … {HIGH}"
+            ))),
         }
+    }
+}
+
+impl<'de> Deserialize<'de> for Moment {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let moment = text.parse().map(Self);
+        moment.map_err(|error| {
+            D::Error::custom(format_args!(
+                "{error}; it must be a moment with its time and zone, as \"2026-11-29T09:00:00Z\" (RFC 3339)"
+            ))
+        })
     }
 }
 
@@ -34,7 +50,7 @@ impl<'de, const SHORTEST: usize, const LONGEST: usize> Deserialize<'de>
             Ok(Self(text))
         } else {
             Err(D::Error::custom(format_args!(
-                "{length} characters are not {SHORTEST} … {LONGEST}"
+                "it has {length} characters; it must be a text of {SHORTEST} … {LONGEST}"
             )))
         }
     }

@@ -2,6 +2,7 @@
 use axum::Json;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use loadframe_api::sha256_hex;
 use serde::Serialize;
 
 use super::problem::{ApiError, CHANGED_SINCE, Result};
@@ -14,6 +15,18 @@ impl EntityTag {
     /// Weak tag of something that changes when `version` does, or when the service itself does.
     pub(super) fn weak(version: impl std::fmt::Display) -> Self {
         Self::of(format!("W/\"{}-{version}\"", crate::COMMIT))
+    }
+
+    /// Weak tag of a job of this version in a project of this name.
+    pub(super) fn of_job((version, project): (u64, Option<String>)) -> Self {
+        match project {
+            // the version last, where [`Self::version_to_match`] looks for it
+            Some(name) => Self::weak(format_args!(
+                "{}-{version}",
+                &sha256_hex(name.as_bytes())[..16]
+            )),
+            None => Self::weak(version),
+        }
     }
 
     /// Strong tag of bytes with this hash.

@@ -35,6 +35,7 @@ mod page;
 mod people;
 mod permit;
 pub mod problem;
+mod query;
 mod schema;
 mod sheet;
 mod state;

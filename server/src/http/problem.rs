@@ -9,6 +9,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use loadframe_api::{Problem, SubmissionError, Violation};
 
+use super::query::violation;
 use crate::store::StoreError;
 use crate::tasks::NotDone;
 
@@ -215,6 +216,7 @@ pub fn after_panic(cause: Box<dyn std::any::Any + Send>) -> HttpResponse<Body> {
 pub async fn only_problems(request: Request, next: Next) -> Response {
     /// A refusal's text is a sentence; more is not meant for people.
     const LONGEST_TEXT: usize = 4096;
+    let uri = request.uri().clone();
     let response = next.run(request).await;
     let status = response.status();
     let is_error = status.is_client_error() || status.is_server_error();
@@ -233,7 +235,12 @@ pub async fn only_problems(request: Request, next: Next) -> Response {
         text if status.is_client_error() => text,
         _ => "the server's log says more",
     };
+    let (violations, detail) = match violation(&uri, detail) {
+        Some((violation, sentence)) => (vec![violation], sentence),
+        None => (Vec::new(), detail.to_owned()),
+    };
     let problem = ApiError::from(Problem::new(status.as_u16(), slug, title, detail));
+    let problem = problem.violations(violations);
     parts.headers.remove(header::CONTENT_TYPE);
     parts.headers.remove(header::CONTENT_LENGTH);
     let mut response = problem.into_response();

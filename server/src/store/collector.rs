@@ -17,7 +17,7 @@ use tokio::sync::{RwLock, mpsc, oneshot};
 use super::clock::millis;
 use super::database::{Pool, Sharing, query_scalar};
 use super::encoding::{json, parsed};
-use super::error::Result;
+use super::error::{Result, chain};
 use super::removal::Removal;
 use super::storage::Storage;
 use super::supervision::{Restarts, caught};
@@ -191,8 +191,9 @@ impl Collector {
             let alone = self.in_use.write().await;
             let alone_of_all = self.sharing.removing_files().await?;
             let unnamed = unnamed(&self.reads, names).await?;
-            self.storage.remove(unnamed).await?;
+            let removed = self.storage.remove(unnamed).await;
             drop((alone, alone_of_all));
+            stays(&removed);
         }
         Ok(())
     }
@@ -223,15 +224,30 @@ impl Collector {
                     Waits::Since(now)
                 };
                 match known.get(&name).copied().unwrap_or(first) {
-                    Waits::Since(since) if now - since >= millis(self.wait) => over.push(name),
+                    Waits::Since(since) if now - since >= millis(self.wait) => {
+                        over.push((name, since));
+                    }
                     waits => {
                         still.insert(name, waits);
                     }
                 }
             }
-            removed += over.len();
-            self.storage.remove(over).await?;
+            let done = self
+                .storage
+                .remove(over.iter().map(|(name, _)| name.clone()).collect());
+            let done = done.await;
             drop((alone, alone_of_all));
+            stays(&done);
+            match done {
+                Ok(()) => removed += over.len(),
+                // their time is over next time, too
+                Err(_) => {
+                    still.extend(
+                        over.into_iter()
+                            .map(|(name, since)| (name, Waits::Since(since))),
+                    );
+                }
+            }
         }
         if still != known {
             keep_waiting(&self.storage, &still).await?;
@@ -249,6 +265,13 @@ impl Collector {
             );
         }
         Ok(found)
+    }
+}
+
+/// Tells of files that could not be removed; the others are.
+fn stays(removed: &Result<()>) {
+    if let Err(error) = removed {
+        tracing::error!(error = %chain(error), "a file without a row stays for now");
     }
 }
 

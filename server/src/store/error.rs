@@ -30,8 +30,8 @@ pub enum StoreError {
         "the lease is no longer held: the attempt has ended or belongs to another worker; stop the work and claim anew"
     )]
     LeaseLost,
-    /// 422: the key was used before with another body.
-    #[error("the Idempotency-Key was used before with another body; use a fresh key")]
+    /// 422: the key was used before with another body or project.
+    #[error("the Idempotency-Key was used before with another body or project; use a fresh key")]
     KeyReused,
     /// 422: what was sent cannot be taken; the sentence says why.
     #[error("{0}")]

@@ -148,13 +148,17 @@ impl Folder {
     pub(super) async fn remove(&self, names: Vec<String>) -> Result<()> {
         let paths: Vec<PathBuf> = names.iter().map(|name| self.path(name)).collect();
         blocking(&self.root, move || {
+            let mut failed = Ok(());
             for path in paths {
                 match std::fs::remove_file(path) {
-                    Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+                    Err(error) if error.kind() != ErrorKind::NotFound => {
+                        // one that cannot be removed keeps no other
+                        failed = failed.and(Err(error));
+                    }
                     _ => {}
                 }
             }
-            Ok(())
+            failed
         })
         .await
     }
@@ -208,5 +212,24 @@ impl Folder {
         let folder = place.parent().unwrap_or(&self.root).to_owned();
         std::fs::create_dir_all(&folder).map_err(StoreError::file(&folder))?;
         Ok(folder)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_file_that_cannot_be_removed_keeps_no_other() {
+        let data = tempfile::tempdir().expect("a folder");
+        let folder = Folder::of(data.path());
+        folder.prepare().await.expect("its folders");
+        // what lies in the place of the first is no file
+        let [first, last] = ["0", "f"].map(|digit| digit.repeat(64));
+        std::fs::create_dir(folder.path(&first)).expect("a folder in its place");
+        std::fs::write(folder.path(&last), "bytes").expect("a file");
+        let removed = folder.remove(vec![first, last.clone()]).await;
+        assert!(removed.is_err());
+        assert!(!folder.path(&last).exists());
     }
 }

@@ -257,24 +257,33 @@ impl Store {
         }
     }
 
-    /// Changes whenever [`Self::job`] does.
+    /// Changes whenever the job does.
     ///
     /// # Errors
     /// [`StoreError::NotFound`].
     pub async fn job_version(&self, id: Uuid) -> Result<u64> {
+        Ok(self.job_state(id).await?.0)
+    }
+
+    /// Changes whenever [`Self::job`] does: the version of the job, and the name of its project, whose change is
+    /// none of the job's.
+    ///
+    /// # Errors
+    /// [`StoreError::NotFound`].
+    pub async fn job_state(&self, id: Uuid) -> Result<(u64, Option<String>)> {
         // the place in the queue changes with the others' steps
-        let version: Option<i64> = query_scalar(
+        let state: Option<(i64, Option<String>)> = query_as(
             "SELECT CASE status WHEN 'queued'
                 THEN (SELECT MAX(last) FROM (SELECT MAX(seq) AS last FROM events WHERE type = 'job'
                     UNION ALL SELECT MAX(seq) FROM events WHERE type = 'deleted') steps)
-                ELSE version END
+                ELSE version END, (SELECT name FROM projects p WHERE p.id = jobs.project)
              FROM jobs WHERE id = ?",
         )
         .bind(id)
         .fetch_optional(self.lookups())
         .await?;
-        let version = version.ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
-        Ok(version.unsigned_abs())
+        let (version, project) = state.ok_or_else(|| StoreError::NotFound(format!("job {id}")))?;
+        Ok((version.unsigned_abs(), project))
     }
 
     /// Changes whenever [`Self::jobs`] does.

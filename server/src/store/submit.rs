@@ -10,6 +10,7 @@ use super::people::{admission, takes_no_jobs};
 use super::state::{LifecycleRow, sentence};
 use super::writer::{Change, EventType};
 use super::{CheckedSubmission, Enqueued, IdempotencyKey, JobEdit, Store, UserAction};
+use crate::access::ARCHIVED;
 use crate::queue::Input;
 use crate::queue::needs::Needs;
 
@@ -45,7 +46,7 @@ impl Store {
     /// Puts a job into the queue. The same key with the same body gives the job it gave before.
     ///
     /// # Errors
-    /// [`StoreError::KeyReused`] when the key was used with another body, [`StoreError::Conflict`]
+    /// [`StoreError::KeyReused`] when the key was used with another body or project, [`StoreError::Conflict`]
     /// when the job of the key has been deleted.
     pub async fn enqueue(
         &self,
@@ -284,10 +285,7 @@ impl Change {
         .await?;
         match is_archived {
             None => Err(StoreError::NotFound(format!("project {project}"))),
-            Some(true) => {
-                let sentence = "the project is archived and takes no jobs; bring it back first";
-                Err(StoreError::Conflict(sentence.to_owned()))
-            }
+            Some(true) => Err(StoreError::Conflict(ARCHIVED.to_owned())),
             Some(false) => Ok(()),
         }
     }

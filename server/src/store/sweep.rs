@@ -40,10 +40,10 @@ row! {
 
 impl Store {
     /// Writes down the heartbeats that have come, and ends the attempts whose lease has run out or whose
-    /// time is over; tells how many.
+    /// time is over; tells how many. One that cannot be ended keeps no other from it.
     ///
     /// # Errors
-    /// The database's, and [`StoreError::Unavailable`].
+    /// The database's, and [`StoreError::Unavailable`]; the first of those of single attempts.
     pub async fn sweep(&self) -> Result<usize> {
         self.write_pulses().await?;
         let limit = self.options().job_time_limit.map(millis);
@@ -60,8 +60,9 @@ impl Store {
         .bind(limit)
         .fetch_all(self.lookups())
         .await?;
-        let (mut ended, lease) = (0, self.lease_millis());
+        let (mut ended, mut failed, lease) = (0, None, self.lease_millis());
         for attempt in overdue {
+            let job = attempt.job;
             let pulses = Arc::clone(self.pulses());
             let swept = self
                 .write_from_reserve(move |change| {
@@ -78,10 +79,13 @@ impl Store {
                 Ok(()) => ended += 1,
                 // the worker was heard of, or ended the attempt, just before
                 Err(StoreError::LeaseLost | StoreError::NotFound(_)) => {}
-                Err(error) => return Err(error),
+                Err(error) => {
+                    tracing::error!(%job, error = %chain(&error), "an attempt could not be ended");
+                    failed = failed.or(Some(error));
+                }
             }
         }
-        Ok(ended)
+        failed.map_or(Ok(ended), Err)
     }
 
     /// A step of the sweeper, whose last one ended then: sweeps. When this process was stopped for a while
@@ -142,9 +146,15 @@ impl Store {
             let live: BTreeSet<String> = live.collect();
             let mut swept = 0;
             for one in unfinished {
-                if one.is_abandoned(&live) {
-                    bucket.abandon(one).await?;
-                    swept += 1;
+                if !one.is_abandoned(&live) {
+                    continue;
+                }
+                // what stays is found again in an hour
+                match bucket.abandon(one).await {
+                    Ok(()) => swept += 1,
+                    Err(error) => {
+                        tracing::warn!(error = %chain(&error), "an abandoned upload stays for now");
+                    }
                 }
             }
             Ok::<usize, StoreError>(swept)

@@ -17,7 +17,8 @@ const SHORTEST_ID: usize = 8;
 
 /// What is searched for.
 pub(super) struct Text {
-    /// As typed, in small letters.
+    /// As typed: letters are made small where those of the jobs are, and in the same way (of `İ` a database may
+    /// make one letter, Rust makes two).
     typed: String,
     /// Whether the index of texts leads to it.
     is_found: bool,
@@ -30,7 +31,7 @@ pub(super) struct Text {
 
 impl Text {
     pub(super) fn of(typed: &str, texts: &'static Texts) -> Self {
-        let typed = typed.to_lowercase();
+        let typed = typed.to_owned();
         // a text of the database's index ends at its first zero
         let is_found = typed.chars().count() >= SHORTEST_FOUND && !typed.contains('\0');
         Self {
@@ -155,8 +156,8 @@ impl Text {
         }
         let folded = self.texts.folded;
         for column in ["j.name", "j.notes", "j.tags"] {
-            query.push(format!(" OR instr({folded}({column}), "));
-            query.push_bind(self.typed.clone()).push(") > 0");
+            query.push(format!(" OR instr({folded}({column}), {folded}("));
+            query.push_bind(self.typed.clone()).push(")) > 0");
         }
         query.push(")");
     }

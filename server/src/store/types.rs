@@ -96,8 +96,28 @@ impl StoreOptions {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IdempotencyKey {
     pub key: String,
-    /// SHA-256 of the body as sent, in hexadecimal digits.
+    /// SHA-256 of what was asked for, in hexadecimal digits: of the body as sent, and of the project where
+    /// one was named.
     pub body_sha256: String,
+}
+
+impl IdempotencyKey {
+    /// The key of a request that `person` names so, where there are people.
+    pub fn new(person: Option<Uuid>, name: &str, project: Option<Uuid>, body: &[u8]) -> Self {
+        let body_sha256 = sha256_hex(body);
+        Self {
+            key: person.map_or(String::new(), Self::of_person) + name,
+            body_sha256: match project {
+                Some(project) => sha256_hex(format!("{body_sha256} {project}").as_bytes()),
+                None => body_sha256,
+            },
+        }
+    }
+
+    /// What a person's keys begin with: two people may choose the same name.
+    pub(super) fn of_person(person: Uuid) -> String {
+        format!("{}:", person.simple())
+    }
 }
 
 /// A submission that has passed every check, with what is written down of it: making that takes time

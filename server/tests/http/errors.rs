@@ -50,6 +50,49 @@ async fn the_frameworks_own_refusals_are_problems_too() {
 }
 
 #[tokio::test]
+async fn a_wrong_parameter_is_named_with_its_value_and_what_is_allowed() {
+    let lab = Lab::open().await;
+    let id = lab.submit().await;
+    for (path, name, value, allowed) in [
+        ("/v1/jobs?limit=-1", "limit", "-1", "1 … 200"),
+        (
+            "/v1/jobs?status=queued&limit=x%2F1",
+            "limit",
+            "x/1",
+            "1 … 200",
+        ),
+        (
+            "/v1/jobs?created_after=2026-11-29",
+            "created_after",
+            "2026-11-29",
+            "2026-11-29T09:00:00Z",
+        ),
+        ("/v1/jobs?status=lost", "status", "lost", "`queued`"),
+        ("/v1/jobs?project=7", "project", "7", "a UUID"),
+        ("/v1/jobs?colour=red", "colour", "red", "`limit`"),
+        ("/v1/jobs?tag=", "tag", "", "1 … 50"),
+        (
+            "/v1/jobs/ID/curve?max_points=1",
+            "max_points",
+            "1",
+            "10 … 20000",
+        ),
+    ] {
+        let path = path.replace("ID", &id.to_string());
+        let problem = lab.get(&path).await.problem(400, "bad-request");
+        let violation = &problem["violations"][0];
+        assert_eq!(violation["pointer"], format!("/{name}"), "{problem}");
+        assert_eq!(violation["value"], value, "{problem}");
+        for text in [&violation["allowed"], &problem["detail"]] {
+            let text = text.as_str().expect("a text");
+            assert!(text.contains(allowed), "{problem}");
+        }
+        let detail = problem["detail"].as_str().expect("a sentence");
+        assert!(detail.contains(name), "{problem}");
+    }
+}
+
+#[tokio::test]
 async fn problems_can_be_read_by_clients_that_take_gzip() {
     let lab = Lab::open().await;
     let refused = lab

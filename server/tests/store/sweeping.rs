@@ -207,3 +207,25 @@ async fn a_lease_whose_heartbeats_are_not_written_yet_does_not_run_out() {
     assert_eq!(lab.sweep().await.unwrap(), 1);
     assert!(is_lost(lab.heartbeat(key(&lease)).await));
 }
+
+#[tokio::test]
+async fn an_attempt_that_cannot_be_ended_keeps_no_other_from_it() {
+    use sqlx::{ConnectOptions as _, Executor as _};
+    let lab = Lab::open(NONE).await;
+    let database = lab.folder.path().join("loadframe.db");
+    if !database.exists() {
+        // a word that no server writes is put into this database alone
+        return;
+    }
+    let (bad, good) = (lab.submit().await, lab.submit().await);
+    let (first, second) = (lab.lease().await, lab.lease().await);
+    assert_eq!([first.job_id, second.job_id], [bad, good]);
+    let options = sqlx::sqlite::SqliteConnectOptions::new().filename(database);
+    let mut beside = options.connect().await.unwrap();
+    let word = "UPDATE jobs SET asked = 'nothing' WHERE seq = (SELECT MIN(seq) FROM jobs)";
+    beside.execute(word).await.unwrap();
+    let swept = lab.sweep().await;
+    assert!(swept.is_err(), "{swept:?}");
+    assert_eq!(lab.view(good).await.reason_code, ReasonCode::WorkerLost);
+    assert_eq!(lab.view(bad).await.status, JobStatus::Running);
+}

@@ -80,3 +80,17 @@ async fn a_search_finds_what_was_submitted_just_now_and_only_that() {
     let lab = lab.reopen(LONG).await;
     assert_eq!(found(&lab, "strip").await, [newest, known[2]]);
 }
+
+#[tokio::test]
+async fn a_name_is_found_by_itself_however_its_letters_are_made_small() {
+    let lab = Lab::open(LONG).await;
+    // letters of which the small one is two, another in another place, or one of ASCII; short and long
+    for name in ["İzmir", "İz", "ΟΔΟΣ", "ÄÖ", "Ǆ", "STRASSE", "300 \u{212a}"] {
+        let job = lab.submit_with(name, 0).await;
+        assert_eq!(found(&lab, name).await.first(), Some(&job), "{name}");
+    }
+    let job = lab.submit_with("Größe Ä", 0).await;
+    for other in ["größe ä", "GRÖ", "Größe"] {
+        assert_eq!(found(&lab, other).await, [job], "{other}");
+    }
+}

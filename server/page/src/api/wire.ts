@@ -429,7 +429,7 @@ export interface paths {
          *     the server's limits is refused with the numbers.
          *
          *     Send an `Idempotency-Key` to be able to repeat a submission whose answer was lost: the same key
-         *     with the same body answers the same job, whatever limits say by then; with another body 422.
+         *     with the same body and project answers the same job, whatever limits say by then; with another 422.
          */
         post: operations["submit_job"];
         delete?: never;
@@ -7048,7 +7048,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The job cannot be accepted, see `violations`; or the key belongs to another body */
+            /** @description The job cannot be accepted, see `violations`; or the key belongs to another body or project */
             422: {
                 headers: {
                     [name: string]: unknown;

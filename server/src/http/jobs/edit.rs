@@ -61,6 +61,6 @@ pub(super) async fn edit(
         known_version,
     };
     job.store.edit(job.id, edit).await?;
-    let tag = EntityTag::weak(state.store.job_version(job.id).await?);
+    let tag = EntityTag::of_job(state.store.job_state(job.id).await?);
     Ok(tag.json(&state.store.job(job.id).await?))
 }

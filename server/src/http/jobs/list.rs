@@ -5,14 +5,14 @@ use std::str::FromStr;
 use axum::extract::{Query, State};
 use axum::http::HeaderMap;
 use axum::response::Response;
-use loadframe_api::{JobKind, JobOutcome, JobStatus, Timestamp};
+use loadframe_api::{JobKind, JobOutcome, JobStatus};
 use serde::Deserialize;
 use utoipa::IntoParams;
 use utoipa::openapi::Ref;
 use uuid::Uuid;
 
 use super::super::AppState;
-use super::super::bounded::{Number, Text};
+use super::super::bounded::{Moment, Number, Text};
 use super::super::conditional::EntityTag;
 use super::super::permit::{Permit, Read};
 use super::super::problem::{ApiError, Result};
@@ -54,10 +54,10 @@ pub(in crate::http) struct ListQuery {
     q: Option<Text<1, 200>>,
     /// Only jobs submitted after this moment (RFC 3339).
     #[param(schema_with = moment_schema, required = false)]
-    created_after: Option<Timestamp>,
+    created_after: Option<Moment>,
     /// Only jobs submitted before this moment (RFC 3339).
     #[param(schema_with = moment_schema, required = false)]
-    created_before: Option<Timestamp>,
+    created_before: Option<Moment>,
     /// Only jobs in this project; those in archived ones are listed only so.
     #[param(value_type = Uuid, required = false)]
     project: Option<Uuid>,
@@ -129,8 +129,8 @@ pub(super) async fn list(
         kind: query.kind,
         tag: query.tag.map(|Text(tag)| tag),
         q: query.q.map(|Text(text)| text),
-        created_after: query.created_after,
-        created_before: query.created_before,
+        created_after: query.created_after.map(|Moment(at)| at),
+        created_before: query.created_before.map(|Moment(at)| at),
         sight,
         project: query.project,
         access: Some(versions.access),

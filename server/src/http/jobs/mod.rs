@@ -49,7 +49,7 @@ pub(super) fn router() -> OpenApiRouter<AppState> {
               (status = 404, description = "There is no such job")))]
 async fn read(job: JobPermit<Read>, headers: HeaderMap) -> Result<Response> {
     // the version before the content: a change in between makes the next question ask again
-    let tag = EntityTag::weak(job.store.job_version(job.id).await?);
+    let tag = EntityTag::of_job(job.store.job_state(job.id).await?);
     if tag.is_known(&headers) {
         return Ok(tag.not_modified());
     }

@@ -5,7 +5,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use loadframe_api::people::Allowance;
 use loadframe_api::{
-    Calibration, Earlier, Estimate, JobLimits, Submission, SubmissionError, Warning, sha256_hex,
+    Calibration, Earlier, Estimate, JobLimits, Submission, SubmissionError, Warning,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -60,7 +60,7 @@ pub(in crate::http) struct DryRun {
 /// the server's limits is refused with the numbers.
 ///
 /// Send an `Idempotency-Key` to be able to repeat a submission whose answer was lost: the same key
-/// with the same body answers the same job, whatever limits say by then; with another body 422.
+/// with the same body and project answers the same job, whatever limits say by then; with another 422.
 #[utoipa::path(post, operation_id = "submit_job", path = "/v1/jobs", tag = "Jobs",
     params(SubmitQuery,
            ("Idempotency-Key" = Option<String>, Header, min_length = 1, max_length = 200, pattern = "^[!-~]+$",
@@ -75,7 +75,7 @@ pub(in crate::http) struct DryRun {
               (status = 409, description = "The job of this key was deleted, or no project of yours takes jobs"),
               (status = 413, description = "The body is larger than 32 MB"),
               (status = 415, description = "The body is not declared as JSON"),
-              (status = 422, description = "The job cannot be accepted, see `violations`; or the key belongs to another body")))]
+              (status = 422, description = "The job cannot be accepted, see `violations`; or the key belongs to another body or project")))]
 pub(super) async fn create(
     State(state): State<AppState>,
     permit: Permit<Submit>,
@@ -85,7 +85,7 @@ pub(super) async fn create(
 ) -> Result<Response> {
     let name = idempotency_key(&headers)?;
     let (key, body) = match name {
-        Some(name) if !dry_run => named(&state, &permit.call, name, body).await?,
+        Some(name) if !dry_run => named(&state, &permit.call, name, project, body).await?,
         _ => (None, body),
     };
     if let Some(key) = &key
@@ -125,17 +125,14 @@ async fn named(
     state: &AppState,
     call: &Call,
     name: String,
+    project: Option<Uuid>,
     body: JsonBody,
 ) -> Result<(Option<IdempotencyKey>, JsonBody)> {
-    let key = match call.caller.person() {
-        // two people may choose the same name
-        Some(person) => format!("{}:{name}", person.id.simple()),
-        None => name,
-    };
+    let person = call.caller.person().map(|person| person.id);
     let client = body.client;
     let hash = move || {
-        let body_sha256 = sha256_hex(&body.bytes);
-        (Some(IdempotencyKey { key, body_sha256 }), body)
+        let key = IdempotencyKey::new(person, &name, project, &body.bytes);
+        (Some(key), body)
     };
     state.checks.run(client, hash).await
 }

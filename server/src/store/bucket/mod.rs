@@ -355,13 +355,15 @@ impl Bucket {
     pub(super) async fn remove(&self, names: Vec<String>) -> Result<()> {
         let keys: Vec<_> = names.iter().map(|name| Ok(self.place(name))).collect();
         let mut removed = self.store.delete_stream(stream::iter(keys).boxed());
+        let mut failed = Ok(());
         while let Some(one) = removed.next().await {
             match one {
                 Ok(_) | Err(Error::NotFound { .. }) => {}
-                Err(error) => return Err(self.failed()(error)),
+                // one that cannot be removed keeps no other
+                Err(error) => failed = failed.and(Err(self.failed()(error))),
             }
         }
-        Ok(())
+        failed
     }
 
     /// A note of the store beside the files, if it is there.

@@ -3,11 +3,11 @@ use loadframe_api::Timestamp;
 use loadframe_api::people::{PersonChanges, PersonLimits, PersonView, Role, Visibility};
 use uuid::Uuid;
 
-use super::super::Store;
 use super::super::database::{Connection, query, query_as, query_scalar, row};
 use super::super::encoding::{variant, wire_name};
 use super::super::error::{Result, StoreError};
 use super::super::writer::Change;
+use super::super::{IdempotencyKey, Store};
 use super::checks::{clean_name, folded, refused};
 use crate::access::password;
 use crate::tasks::blocking;
@@ -94,6 +94,11 @@ impl Store {
                     ] {
                         query(statement).bind(id).execute(&mut change.connection).await?;
                     }
+                    // and what is repeated of before is no second job
+                    query("UPDATE idempotency_keys SET key = ? || key")
+                        .bind(IdempotencyKey::of_person(id))
+                        .execute(&mut change.connection)
+                        .await?;
                     change.audit("person.first", Some(id), &name).await?;
                     PersonRow::of(&mut change.connection, id).await?.view()
                 })

@@ -206,7 +206,7 @@ impl Store {
     /// were removed and how many are gone for good.
     ///
     /// # Errors
-    /// The database's.
+    /// The database's; the first of those of single rules.
     pub async fn retain(&self, now: Timestamp) -> Result<(u64, u64)> {
         let rules: Vec<(Uuid, Option<u32>, Option<u32>)> = query_as(
             "SELECT project, snapshots_days, curves_days FROM retention WHERE in_force_at <= ?",
@@ -227,28 +227,16 @@ impl Store {
             })
         })
         .await?;
-        let (mut removed, mut gone) = (0, 0);
+        let (mut removed, mut gone, mut failed) = (0, 0, None);
         for (project, snapshots_days, curves_days) in rules {
             let rule = RetentionRule {
                 snapshots_days,
                 curves_days,
             };
-            for (cleared, kind, days) in STEPS {
-                let Some(days) = days(&rule) else { continue };
-                let before = now.as_millis() - i64::from(days) * DAY;
-                loop {
-                    let (jobs, files) = server
-                        .write_from_reserve(move |change| {
-                            Box::pin(async move {
-                                change.clear(project, cleared, kind, before, now).await
-                            })
-                        })
-                        .await?;
-                    removed += files;
-                    if jobs < AT_ONCE as usize {
-                        break;
-                    }
-                }
+            // one that cannot be applied keeps no other from it
+            match server.apply(project, &rule, now).await {
+                Ok(files) => removed += files,
+                Err(error) => failed = failed.or(Some(error)),
             }
         }
         loop {
@@ -259,9 +247,32 @@ impl Store {
                 .await?;
             gone += forgotten as u64;
             if forgotten < AT_ONCE as usize {
-                return Ok((removed, gone));
+                return failed.map_or(Ok((removed, gone)), Err);
             }
         }
+    }
+
+    /// Removes what the rule of a project does; tells how many files.
+    async fn apply(&self, project: Uuid, rule: &RetentionRule, now: Timestamp) -> Result<u64> {
+        let mut removed = 0;
+        for (cleared, kind, days) in STEPS {
+            let Some(days) = days(rule) else { continue };
+            let before = now.as_millis() - i64::from(days) * DAY;
+            loop {
+                let (jobs, files) = self
+                    .write_from_reserve(move |change| {
+                        Box::pin(
+                            async move { change.clear(project, cleared, kind, before, now).await },
+                        )
+                    })
+                    .await?;
+                removed += files;
+                if jobs < AT_ONCE as usize {
+                    break;
+                }
+            }
+        }
+        Ok(removed)
     }
 
     /// Applies the rules and empties the trash every hour, until dropped.

@@ -9,6 +9,7 @@ mod rows;
 
 use loadframe_api::Timestamp;
 use loadframe_api::people::Deleted;
+use tokio::sync::oneshot;
 use uuid::Uuid;
 
 use super::Store;
@@ -18,6 +19,7 @@ use super::error::{Result, StoreError};
 use super::people::Actor;
 use super::state::LifecycleRow;
 use super::writer::{Change, EventType};
+use crate::tasks;
 pub use listing::TrashSight;
 use listing::missing;
 
@@ -49,19 +51,52 @@ impl Store {
         .await
     }
 
-    /// Moves a project with all its jobs to the trash. Broken off in between, it goes on where it was when
-    /// it is asked again.
+    /// Moves a project with all its jobs to the trash, or none of them. Broken off in between, it goes on
+    /// where it was when it is asked again.
     ///
     /// # Errors
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] while one of its jobs runs.
     pub async fn discard_project(&self, id: Uuid) -> Result<()> {
-        while !self
-            .write_from_reserve(move |change| {
+        let (answer, answered) = oneshot::channel();
+        let store = self.clone();
+        // whoever asks may go before it is done, or undone
+        tasks::spawn(async move {
+            let _ = answer.send(store.discard_whole(id).await);
+        });
+        answered.await.unwrap_or(Err(StoreError::Unavailable))
+    }
+
+    async fn discard_whole(&self, id: Uuid) -> Result<()> {
+        loop {
+            let discarded = self.write_from_reserve(move |change| {
                 Box::pin(async move { change.discard_some(id).await })
-            })
-            .await?
-        {}
-        Ok(())
+            });
+            match discarded.await {
+                Ok(true) => return Ok(()),
+                Ok(false) => {}
+                Err(StoreError::Conflict(why)) => {
+                    self.undo_discard(id).await?;
+                    return Err(StoreError::Conflict(why));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Brings the jobs back that went before one was found running: a worker may take one between two
+    /// changes. In one change they could not go, for all others would wait for those of a large project.
+    async fn undo_discard(&self, project: Uuid) -> Result<()> {
+        loop {
+            let brought = self.write_from_reserve(move |change| {
+                Box::pin(async move { change.bring_back_some(project).await.map(|(_, done)| done) })
+            });
+            match brought.await {
+                // somebody else deleted the project meanwhile
+                Ok(true) | Err(StoreError::NotFound(_)) => return Ok(()),
+                Ok(false) => {}
+                Err(error) => return Err(error),
+            }
+        }
     }
 
     /// Brings back what `id` names in the trash.
@@ -86,7 +121,15 @@ impl Store {
                 })
                 .await?;
                 while !self
-                    .write(move |change| Box::pin(async move { change.bring_back_some(id).await }))
+                    .write(move |change| {
+                        Box::pin(async move {
+                            let (name, is_done) = change.bring_back_some(id).await?;
+                            if is_done {
+                                change.audit("project.restored", Some(id), &name).await?;
+                            }
+                            Ok(is_done)
+                        })
+                    })
                     .await?
                 {}
                 Ok(())
@@ -332,8 +375,8 @@ impl Change {
         Ok(())
     }
 
-    /// Brings the next jobs of a project back that is there again; tells whether it is done.
-    async fn bring_back_some(&mut self, project: Uuid) -> Result<bool> {
+    /// Brings the next jobs of a project back that is there; tells its name and whether it is done.
+    async fn bring_back_some(&mut self, project: Uuid) -> Result<(String, bool)> {
         let name: Option<String> =
             query_scalar("SELECT name FROM projects WHERE id = ? AND deleted_at IS NULL")
                 .bind(project)
@@ -351,11 +394,7 @@ impl Change {
             let name = self.bring_back(*job, i64::MIN).await?;
             self.audit("job.restored", Some(*job), &name).await?;
         }
-        let is_done = jobs.len() < AT_ONCE as usize;
-        if is_done {
-            self.audit("project.restored", Some(project), &name).await?;
-        }
-        Ok(is_done)
+        Ok((name, jobs.len() < AT_ONCE as usize))
     }
 
     /// Removes a job from the trash for good.

@@ -12,12 +12,24 @@ const ORIGIN: &str = "http://localhost:8400";
 async fn nothing_of_one_person_is_lost_when_a_server_becomes_a_groups() {
     let lab = Lab::open().await;
     assert_eq!(lab.get("/v1/me").await.json()["kind"], "sole");
-    let (first, second) = (lab.submit().await, lab.submit().await);
+    let keyed = [JSON, ("idempotency-key", "monday")];
+    let named = request("POST", "/v1/jobs", &keyed, example());
+    let (first, second) = (id_of(&lab.send(named).await.json()), lab.submit().await);
     let group = Group::of(lab).await;
-    assert_eq!(
-        ids(&group.get(&group.ada, "/v1/jobs").await.json()),
-        [second, first]
-    );
+    // a submission that is repeated across it makes no second job, and is nobody else's
+    for (by, is_hers) in [(&group.ada, true), (&group.anna, false)] {
+        let (name, value) = &by.known_by;
+        let headers = [
+            (*name, &**value),
+            ("origin", "http://localhost"),
+            keyed[0],
+            keyed[1],
+        ];
+        let repeated = request("POST", "/v1/jobs", &headers, example());
+        let repeated = group.lab.send(repeated).await;
+        assert_eq!(repeated.status, 201, "{repeated:?}");
+        assert_eq!(id_of(&repeated.json()) == first, is_hers);
+    }
     let mine = group.get(&group.ada, "/v1/jobs?whose=mine").await.json();
     assert_eq!(ids(&mine), [second, first]);
     assert_eq!(mine["items"][0]["project"]["name"], "Jobs of Ada");

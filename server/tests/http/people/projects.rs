@@ -1,10 +1,10 @@
-//! To which project a job goes that names none.
+//! To which project a job goes that names none, and that a repeated one goes nowhere else.
 use loadframe_api::people::Visibility;
 use serde_json::{Value, json};
 use uuid::Uuid;
 
 use super::group::{Group, Somebody, id_of};
-use crate::support::example;
+use crate::support::{JSON, example, request};
 
 /// The project that somebody's account was made with.
 async fn first_of(group: &Group, by: &Somebody) -> Uuid {
@@ -91,4 +91,62 @@ async fn nobody_chooses_for_others_where_their_jobs_go() {
     changed(&group, &group.ada, made, back).await;
     let answer = group.send(bert, "POST", "/v1/jobs", example()).await;
     answer.problem(409, "conflict");
+}
+
+#[tokio::test]
+async fn the_same_key_for_another_project_is_another_request() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    let submit = async |path: &str, key: &str| {
+        let (name, value) = &anna.known_by;
+        let headers = [
+            (*name, &**value),
+            ("origin", "http://localhost"),
+            JSON,
+            ("idempotency-key", key),
+        ];
+        group
+            .lab
+            .send(request("POST", path, &headers, example()))
+            .await
+    };
+    let [home, there] = ["/v1/jobs".to_owned(), format!("/v1/jobs?project={project}")];
+    for (key, one, other) in [("monday", &home, &there), ("friday", &there, &home)] {
+        let first = submit(one, key).await;
+        assert_eq!(first.status, 201, "{first:?}");
+        let refused = submit(other, key).await;
+        refused.problem(422, "idempotency-key-reused");
+        assert_eq!(submit(one, key).await.json(), first.json());
+    }
+}
+
+#[tokio::test]
+async fn a_job_that_shows_another_name_of_its_project_has_another_tag() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    let path = format!("/v1/jobs/{}", group.submit(anna, project).await);
+    let asked = async |tag: &str| {
+        let (name, value) = &anna.known_by;
+        let headers = [(*name, &**value), ("if-none-match", tag)];
+        group.lab.send(request("GET", &path, &headers, "")).await
+    };
+    let before = asked("\"none\"").await;
+    let tag = before.header("etag").to_owned();
+    assert_eq!(asked(&tag).await.status, 304);
+    changed(&group, anna, project, json!({ "name": "another" })).await;
+    let after = asked(&tag).await;
+    assert_eq!(after.status, 200);
+    assert_eq!(after.json()["project"]["name"], "another");
+    // which still names the version that an edit may know
+    let (name, value) = &anna.known_by;
+    let headers = [
+        (*name, &**value),
+        ("origin", "http://localhost"),
+        JSON,
+        ("if-match", after.header("etag")),
+    ];
+    let edit = request("PATCH", &path, &headers, "{\"name\": \"n\"}");
+    assert_eq!(group.lab.send(edit).await.status, 200);
 }

@@ -4,7 +4,7 @@
 use loadframe_api::Timestamp;
 use loadframe_api::people::{NewShare, Role, Visibility};
 use loadframe_api::worker::ReleaseReason;
-use loadframe_server::store::trash::TrashSight;
+use loadframe_server::store::{StoreError, trash::TrashSight};
 use serde_json::{Value, json};
 use uuid::Uuid;
 
@@ -514,4 +514,51 @@ async fn a_job_whose_project_is_gone_comes_back_to_its_owners_own() {
     assert_eq!(group.send(anna, "POST", &restore, "").await.status, 204);
     let back = group.get(anna, &format!("/v1/jobs/{job}")).await.json();
     assert_eq!(back["project"], own);
+}
+
+#[tokio::test]
+async fn a_project_of_which_a_job_is_taken_meanwhile_keeps_all_its_jobs() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    let project = group.project(anna, Visibility::Private, None).await.id;
+    // more than go in two changes, of which a worker takes one in between
+    let mut jobs = Vec::new();
+    for _ in 0..120 {
+        jobs.push(group.submit(anna, project).await);
+    }
+    let mut lease = None;
+    for pause in 1..20 {
+        let claim = async {
+            // not before the first of them are on their way
+            for _ in 0..pause {
+                tokio::task::yield_now().await;
+            }
+            group.lab.claim().await
+        };
+        let (discarded, taken) = tokio::join!(group.lab.store.discard_project(project), claim);
+        assert!(
+            matches!(&discarded, Err(StoreError::Conflict(why)) if why.contains("running")),
+            "{discarded:?}"
+        );
+        if jobs.iter().position(|job| *job == taken.job_id) >= Some(50) {
+            lease = Some(taken);
+            break;
+        }
+        let key = crate::support::key(&taken);
+        let released = group.lab.store.release(key, ReleaseReason::Shutdown).await;
+        released.expect("given back");
+    }
+    let lease = lease.expect("a claim after the first jobs went");
+    assert_eq!(trashed(&group, anna).await.len(), 0);
+    let path = format!("/v1/jobs?project={project}&limit=200");
+    let mut kept = ids(&group.get(anna, &path).await.json());
+    kept.sort_unstable();
+    assert_eq!(kept, jobs);
+    // and goes whole when none is running
+    let key = crate::support::key(&lease);
+    let released = group.lab.store.release(key, ReleaseReason::Shutdown).await;
+    released.expect("given back");
+    let path = format!("/v1/projects/{project}");
+    assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
+    assert_eq!(trashed(&group, anna).await[0]["jobs"], json!(120));
 }
