@@ -144,54 +144,37 @@ impl Store {
     /// [`StoreError::NotFound`]; [`StoreError::Conflict`] for files that a rule removed, which go when
     /// their time is over.
     pub async fn erase(&self, id: Uuid) -> Result<()> {
-        let what = self.in_trash(id).await?.0;
-        if what == Deleted::Files {
-            let sentence = "what a project's rule removed goes when its time is over";
-            return Err(StoreError::Conflict(sentence.to_owned()));
-        }
-        let after = self.gone_before();
-        while self
-            .write_from_reserve(move |change| {
-                Box::pin(async move {
-                    // somebody may have brought it back since it was looked for
-                    if what == Deleted::Project {
-                        change.require_deleted(id, after).await?;
-                    }
-                    let jobs: Vec<i64> = query_scalar(
-                        "SELECT job FROM trash WHERE (?1 = 'job' AND id = ?2)
-                            OR (?1 = 'project' AND project = ?2 AND with_project) LIMIT ?3",
-                    )
-                    .bind(if what == Deleted::Job {
-                        "job"
-                    } else {
-                        "project"
-                    })
-                    .bind(id)
-                    .bind(AT_ONCE)
-                    .fetch_all(&mut change.connection)
-                    .await?;
-                    if jobs.is_empty() && what == Deleted::Job {
-                        return Err(missing(id));
-                    }
-                    for job in &jobs {
-                        change.erase(*job).await?;
-                    }
-                    if jobs.len() == AT_ONCE as usize {
-                        return Ok(true);
-                    }
-                    if what == Deleted::Project {
-                        // long ago: its time is over
-                        query("UPDATE projects SET deleted_at = 0 WHERE id = ?")
+        match self.in_trash(id).await?.0 {
+            Deleted::Job => {
+                self.write_from_reserve(move |change| {
+                    Box::pin(async move {
+                        let job = query_scalar("SELECT job FROM trash WHERE id = ?")
                             .bind(id)
-                            .execute(&mut change.connection)
+                            .fetch_optional(&mut change.connection)
                             .await?;
-                        change.audit("project.erased", Some(id), "").await?;
-                    }
-                    Ok(false)
+                        change.erase(job.ok_or_else(|| missing(id))?).await
+                    })
                 })
-            })
-            .await?
-        {}
+                .await?;
+            }
+            Deleted::Project => {
+                let after = self.gone_before();
+                self.write_from_reserve(move |change| {
+                    Box::pin(async move { change.erase_project(id, after).await })
+                })
+                .await?;
+                while self
+                    .write_from_reserve(move |change| {
+                        Box::pin(async move { change.erase_some(id).await })
+                    })
+                    .await?
+                {}
+            }
+            Deleted::Files => {
+                let sentence = "what a project's rule removed goes when its time is over";
+                return Err(StoreError::Conflict(sentence.to_owned()));
+            }
+        }
         self.blobs().collected().await;
         Ok(())
     }
@@ -362,6 +345,38 @@ impl Change {
                 .fetch_optional(&mut self.connection)
                 .await?;
         found.map(|_| ()).ok_or_else(|| missing(project))
+    }
+
+    /// Has a project be gone at once, with the jobs that were deleted with it: nobody brings it back while they
+    /// are removed, and what a crash leaves of them goes with all whose time is over.
+    async fn erase_project(&mut self, project: Uuid, after: i64) -> Result<()> {
+        // somebody may have brought it back since it was looked for
+        self.require_deleted(project, after).await?;
+        // long ago: its time is over
+        for sql in [
+            "UPDATE projects SET deleted_at = 0 WHERE id = ?",
+            "UPDATE trash SET deleted_at = 0 WHERE project = ? AND with_project",
+        ] {
+            query(sql)
+                .bind(project)
+                .execute(&mut self.connection)
+                .await?;
+        }
+        self.audit("project.erased", Some(project), "").await
+    }
+
+    /// Removes the next jobs of a project that is gone; whether there may be more.
+    async fn erase_some(&mut self, project: Uuid) -> Result<bool> {
+        let jobs: Vec<i64> =
+            query_scalar("SELECT job FROM trash WHERE project = ? AND with_project LIMIT ?")
+                .bind(project)
+                .bind(AT_ONCE)
+                .fetch_all(&mut self.connection)
+                .await?;
+        for job in &jobs {
+            self.erase(*job).await?;
+        }
+        Ok(jobs.len() == AT_ONCE as usize)
     }
 
     /// Brings a project back without its jobs.

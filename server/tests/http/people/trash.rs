@@ -1,6 +1,8 @@
 //! What was deleted: unreachable, counted, brought back whole, and gone when its time is over.
 //!
 //! One file, long as it is: every way in and out of the trash is held against the same faces of a job.
+use std::time::Duration;
+
 use loadframe_api::Timestamp;
 use loadframe_api::people::{NewShare, Role, Visibility};
 use loadframe_api::worker::ReleaseReason;
@@ -461,6 +463,34 @@ async fn of_restoring_and_removing_for_good_at_once_one_is_done() {
         assert_eq!(answer.status, expected, "{is_back}");
         let known = group.get(anna, "/v1/projects").await.json().to_string();
         assert_eq!(known.contains(&project.to_string()), is_back);
+    }
+}
+
+#[tokio::test]
+async fn a_project_that_is_being_removed_for_good_is_not_brought_back_in_part() {
+    let group = Group::open().await;
+    let anna = &group.anna;
+    // more than go in two changes, between which it is asked back
+    for pause in [0, 1, 3, 6, 10, 15, 20] {
+        let project = group.project(anna, Visibility::Private, None).await.id;
+        for _ in 0..120 {
+            group.submit(anna, project).await;
+        }
+        let path = format!("/v1/projects/{project}");
+        assert_eq!(group.send(anna, "DELETE", &path, "").await.status, 204);
+        let restore = async {
+            tokio::time::sleep(Duration::from_millis(pause)).await;
+            group.lab.store.bring_back(project).await
+        };
+        let (erased, restored) = tokio::join!(group.lab.store.erase(project), restore);
+        let path = format!("/v1/jobs?project={project}&limit=200");
+        let jobs = ids(&group.get(anna, &path).await.json()).len();
+        match (erased, restored) {
+            (Ok(()), Err(StoreError::NotFound(_))) => assert_eq!(jobs, 0, "after {pause} ms"),
+            (Err(StoreError::NotFound(_)), Ok(())) => assert_eq!(jobs, 120, "after {pause} ms"),
+            both => panic!("after {pause} ms: {both:?}"),
+        }
+        assert_eq!(trashed(&group, anna).await.len(), 0, "after {pause} ms");
     }
 }
 
