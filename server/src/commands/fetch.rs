@@ -42,8 +42,11 @@ pub(crate) async fn perform(arguments: Arguments) -> Result<(), Failure> {
         return Err(Failure::new(Code::Failed, message));
     }
     require_own(&arguments.out, &files.items)?;
+    // first what tells whose result the folder holds, should this break off
+    let mut in_order: Vec<&FileEntry> = files.items.iter().collect();
+    in_order.sort_by_key(|entry| entry.name != OUTCOME_FILE);
     let mut fetched = 0;
-    for entry in &files.items {
+    for entry in in_order {
         let fetch = Fetch {
             server: &server,
             address: format!("{}/{}", job.links.files, entry.name),
