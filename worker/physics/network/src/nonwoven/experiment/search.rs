@@ -46,39 +46,45 @@ impl Experiment<'_> {
     /// left to divide between here and the last state in which they were not.
     ///
     /// `before` are the displacements of that state. The force is taken to have grown with the tension of
-    /// the bond that is farthest over its strength. A bond that was taut before the test grows by hardly
-    /// anything while the force rises: where the straight line from that state to this one, i being the
-    /// index of that bond (tension over strength),
+    /// each bond over its strength. A bond that was taut before the test grows by hardly anything while the
+    /// force rises: where the straight line from that state to this one, i being the index of the bond
+    /// (tension over strength),
     ///
     ///   |F − F_r| (i − 1)/(i − i_r) (13),
     ///
-    /// tells far more, it counts instead, and must be within the precision too.
+    /// tells far more, it counts instead, and must be within the precision too. The bond for which the force
+    /// went on farthest decides: it need not be the one that is farthest over its strength.
     pub(super) fn is_resolved(
         &mut self,
         over: &[Candidate],
         force: f64,
         before: &[Vector],
     ) -> bool {
-        let weakest = over
-            .iter()
-            .max_by(|one, other| one.index().total_cmp(&other.index()));
-        let Some(weakest) = weakest else {
+        if over.is_empty() {
             return true;
-        };
-        let (largest, rise) = (weakest.index(), (force - self.state.reached.force).abs());
-        let excess = (1.0 - largest.recip()) * force.abs();
-        let way = largest - self.index_of(weakest.bond, before);
-        let on_line = rise * (largest - 1.0) / way;
-        // no bond is over its strength at the last state; the first has none before it
-        let is_taut = way > 0.0 && on_line > BENT * excess;
-        let overstep = if is_taut { on_line } else { excess };
-        self.state.overstep = overstep.min(rise);
+        }
+        let rise = (force - self.state.reached.force).abs();
+        let (mut largest, mut excess_of_all, mut on_lines) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for candidate in over {
+            let index = candidate.index();
+            let excess = (1.0 - index.recip()) * force.abs();
+            let way = index - self.index_of(candidate.bond, before);
+            let on_line = (rise * (index - 1.0) / way).min(rise);
+            // no bond is over its strength at the last state; the first has none before it
+            if way > 0.0 && on_line > BENT * excess {
+                on_lines = on_lines.max(on_line);
+            } else {
+                excess_of_all = excess_of_all.max(excess.min(rise));
+            }
+            largest = largest.max(index);
+        }
+        self.state.overstep = on_lines.max(excess_of_all);
         let Some(precision) = self.knobs.break_precision else {
             return true;
         };
         let search = self.state.search.as_ref();
         let most = precision * self.state.max_force.max(force);
-        let is_close = !is_taut || self.state.overstep <= most;
+        let is_close = on_lines <= most;
         (largest <= 1.0 + precision && is_close)
             || search.is_some_and(|search| search.looks >= MOST_LOOKS)
             || self.is_indivisible(self.state.strain, force)
