@@ -88,6 +88,10 @@ impl Sort for Fabrics {
         let [x, y, z] = lattice.spacing_mm;
         vec![
             ("bonds", lattice.bonds() as f64),
+            (
+                "rows_over_points_per_row",
+                f64::from(lattice.rows) / f64::from(lattice.points_per_row),
+            ),
             ("mean_irregularity", lattice.irregularity[0]),
             (
                 "compression_stiffness_over_modulus",

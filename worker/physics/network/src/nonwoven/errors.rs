@@ -43,8 +43,9 @@ const TABLES: [&str; 2] = [
     include_str!("errors/large.json"),
 ];
 
-/// Layers of the fabrics that were measured.
+/// Layers of the fabrics that were measured, and the fewest points along a side.
 const MOST_LAYERS: u32 = 3;
+const FEWEST_POINTS: u32 = 6;
 /// Of forces, the first that a test has tells how wrong its forces may be.
 const FORCES: [&str; 2] = ["max_force", "secant_stiffness_at_10_percent"];
 /// An error is to hold for 19 of 20 when taken so many times.
@@ -79,9 +80,9 @@ pub(super) fn add(
         Fabric::Lattice(lattice) if is_measured && is_drawn(lattice) => lattice,
         _ => {
             return Some(format!(
-                "results have no error: it was measured for lattices of up to {MOST_LAYERS} layers, alike \
-                 irregular along all axes, of log-normal strength, that newton_cg pulls once, all bonds \
-                 over their strength breaking at once"
+                "results have no error: it was measured for lattices of up to {MOST_LAYERS} layers and at \
+                 least {FEWEST_POINTS} points along both sides, alike irregular along all axes, of log-normal \
+                 strength, that newton_cg pulls once, all bonds over their strength breaking at once"
             ));
         }
     };
@@ -91,6 +92,10 @@ pub(super) fn add(
     let [x, y, z] = lattice.spacing_mm;
     let traits = [
         ("bonds", bonds),
+        (
+            "rows_over_points_per_row",
+            f64::from(lattice.rows) / f64::from(lattice.points_per_row),
+        ),
         (
             "mean_irregularity",
             lattice.irregularity.iter().sum::<f64>() / 3.0,
@@ -137,7 +142,8 @@ pub(super) fn add(
 /// Whether a lattice is of those that were drawn, apart from what a table has the range of.
 fn is_drawn(lattice: &Lattice) -> bool {
     let [x, y, z] = lattice.irregularity.map(f64::to_bits);
-    lattice.layers <= MOST_LAYERS && x == y && y == z
+    let fewest = lattice.points_per_row.min(lattice.rows);
+    lattice.layers <= MOST_LAYERS && fewest >= FEWEST_POINTS && x == y && y == z
 }
 
 /// Why the errors of a report do not hold: the forces on the two jaws, which are one in equilibrium, differ
