@@ -168,6 +168,28 @@ fn a_force_that_grows_faster_than_the_tension_is_not_overstepped() {
 }
 
 #[test]
+fn a_taut_bond_is_not_passed_for_another_that_is_farther_over_its_strength() {
+    // 1 + 2 ε N breaks at 1.0001 N, ε = 5·10⁻⁵; the other, slack, at ε = 0.004, by when it is the farther one
+    let modulus = 249.234_643_492;
+    let expected = 1.000_1 + modulus * 5e-5;
+    let bonds = bundle(&[
+        r#""rest_length_mm": 5.0, "modulus_n": 1.0, "strength_n": 1.0001"#,
+        &format!(r#""modulus_n": {modulus}, "strength_n": 1.0"#),
+    ]);
+    for (accuracy, precision) in [("draft", 0.05), ("standard", 0.01), ("reference", 0.002)] {
+        let (report, _) = run(&format!(
+            r#"{bonds}, "test": {{"strain_step": 0.01, "max_strain": 0.1}}, "accuracy": "{accuracy}""#
+        ));
+        let past = value(&report, "max_force") / expected - 1.0;
+        let told = report.quality["overstepped_force"].value;
+        assert!(
+            (-1e-9..=precision).contains(&past) && told <= precision,
+            "{accuracy}: {past}, {told} told"
+        );
+    }
+}
+
+#[test]
 fn bonds_in_one_line_have_no_width_and_results_say_so() {
     let spec = bundle(&[r#""modulus_n": 10, "strength_n": 3"#]).replace(r#""width_mm": 1, "#, "");
     assert!(!spec.contains("width"));
@@ -222,7 +244,13 @@ fn only_lattices_like_those_that_were_measured_have_errors() {
         (has_error, kept.log.join("\n"))
     };
     assert!(told(&lattice("[2, 2, 1]", same, "", "")).0);
+    let of_points = |points_per_row: u32, rows: u32| {
+        let sides = format!(r#""points_per_row": {points_per_row}, "rows": {rows},"#);
+        lattice("[2, 2, 1]", same, "", "").replace(r#""points_per_row": 7, "rows": 9,"#, &sides)
+    };
     for (spec, words) in [
+        (of_points(5, 9), "at least 6 points along both sides"),
+        (of_points(6, 17), "rows_over_points_per_row is 2.833"),
         (
             lattice("[2, 2, 4]", same, "", ""),
             "spacing_z_over_y is 2.000",

@@ -1,5 +1,5 @@
 //! Each equilibrium: from where it is searched, how, and what it says of its own quality.
-use loadframe_api::spec::nonwoven_tensile::{DescentGradient, Solver};
+use loadframe_api::spec::nonwoven_tensile::{DescentGradient, Fabric, Solver};
 use loadframe_harness::{Interrupt, SimulationError};
 
 use super::Experiment;
@@ -110,7 +110,16 @@ impl Experiment<'_> {
             let node = settled.mechanism(&self.loaded.assembly);
             self.state.mechanism = node.map(|node| (node, self.nominal_strain()));
         }
-        if self.state.unstable.is_none() {
+    }
+
+    /// Keeps where a balance, in which nothing breaks any more, is one that does not last. Looked for in what
+    /// is given node by node, where who gave it can move a node: a lattice is irregular, and between rounds of
+    /// breaking it passes through such states.
+    pub(super) fn judge_stability(&mut self, force_limit: f64) {
+        let is_given = matches!(self.spec.fabric, Fabric::Network(_));
+        if let Some(settled) = self.settled.as_ref().filter(|_| is_given)
+            && self.state.unstable.is_none()
+        {
             let node = settled.unstable(&self.loaded.assembly, force_limit);
             self.state.unstable = node.map(|node| (node, self.nominal_strain()));
         }

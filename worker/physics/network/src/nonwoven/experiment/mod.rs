@@ -244,6 +244,7 @@ impl<'a> Experiment<'a> {
         }
         // where the network can rest in several ways, the way here may have led to one in which nothing
         // is over its strength: then there is no break
+        self.judge_stability(search.force_limit);
         Ok(self.conclude(point))
     }
 
