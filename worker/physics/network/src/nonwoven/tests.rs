@@ -4,7 +4,7 @@ mod equilibria;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use loadframe_api::{JobSpec, Report, Submission};
+use loadframe_api::{JobKind, JobSpec, Report, Submission};
 use loadframe_harness::{Decorator, Ending, Recorder, RunContext, Uninterrupted, Unrecorded};
 
 /// What a run logged, and its files.
@@ -234,6 +234,28 @@ fn lattice(spacing: &str, more: &str, bond: &str, rest: &str) -> String {
             "mean_strength_n": 3.397, "strength_sigma": 0.365{bond}}},
         "test": {{"strain_step": 0.01, "max_strain": 0.12}}, "output": {{"snapshot_every_steps": 0}}{rest}"#
     )
+}
+
+#[test]
+fn the_example_of_both_directions_shows_errors() {
+    let mut examples = JobKind::NonwovenTensile.examples().iter();
+    let example = examples.find(|example| example.name == "nonwoven_tensile_directions");
+    let fewer = example
+        .expect("an example")
+        .body
+        .replace(r#""repeats": 5"#, r#""repeats": 2"#);
+    let (report, kept) = run_job(fewer.as_bytes());
+    for name in ["strength", "modulus_at_10_percent", "poisson_ratio"] {
+        for name in [name.to_owned(), format!("{name}_along_x")] {
+            let error = report.summary[&name].error.as_ref();
+            let parts = &error
+                .unwrap_or_else(|| panic!("{name}: {:?}", kept.log))
+                .parts;
+            let has = |source: &str| parts.iter().any(|part| part.source == source);
+            assert!(has("solver") && has("specimens"), "{name}: {parts:?}");
+        }
+    }
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
 }
 
 #[test]
