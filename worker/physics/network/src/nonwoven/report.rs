@@ -44,7 +44,7 @@ pub(super) fn report(
     if !spec.test.history.is_empty() {
         cycles::report(&mut report, spec, state, stop_reason);
     } else if let Fabric::Network(_) = spec.fabric {
-        // how wrong lattices may be was measured; their folds snap, and few steps are a coarse sum
+        // how wrong lattices may be was measured; over the few steps of a small pull their work is a coarse sum
         cycles::check_pull(&mut report, state);
     }
     checks(&mut report, spec, state);

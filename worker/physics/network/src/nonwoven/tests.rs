@@ -4,7 +4,7 @@ mod equilibria;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use loadframe_api::{JobSpec, Report, Submission};
+use loadframe_api::{JobKind, JobSpec, Report, Submission};
 use loadframe_harness::{Decorator, Ending, Recorder, RunContext, Uninterrupted, Unrecorded};
 
 /// What a run logged, and its files.
@@ -125,6 +125,29 @@ fn a_long_step_rests_at_the_usual_strain() {
     assert!((found - 0.5463).abs() < 1e-9, "{found}");
 }
 
+#[test]
+fn what_is_read_before_the_first_step_is_as_exact_as_what_is_read_later() {
+    // e of 1 N and 3 N in line: 10 mm/(5 mm/1 N + 5 mm/3 N); moved alike, the upper one by itself has 3 N
+    let line = r#""fabric": {"network": {"nodes_mm": [[0, 0, 0], [0, 5, 0], [0, 10, 0]],
+        "jaws": ["bottom", "free", "top"], "width_mm": 1, "bonds": [
+            {"nodes": [0, 1], "modulus_n": 1}, {"nodes": [1, 2], "modulus_n": 3}]}}"#;
+    for (accuracy, force_accuracy) in [("draft", 5.0), ("standard", 100.0)] {
+        let (report, _) = run(&format!(
+            r#"{line}, "test": {{"strain_step": 1.0, "breaking": "none", "max_strain": 1.0}},
+            "output": {{"reading_strains": [0.001]}}, "accuracy": "{accuracy}""#
+        ));
+        for name in ["0_1", "10"] {
+            let found = value(&report, &format!("secant_stiffness_at_{name}_percent"));
+            // the softest bond's tension at this strain over A_cc, of which the upper one bears 3/4
+            let limit = 0.75 / force_accuracy;
+            assert!(
+                (found - 1.5).abs() <= limit,
+                "{accuracy}, {name} %: {found}"
+            );
+        }
+    }
+}
+
 /// A bond stretched to twice its length that breaks at a strain of 0.15 %, and a slack one in parallel
 /// whose compression pushes the jaws apart until 1 %.
 fn taut_and_pressed(pressed: &str) -> String {
@@ -233,6 +256,28 @@ fn lattice(spacing: &str, more: &str, bond: &str, rest: &str) -> String {
             "mean_strength_n": 3.397, "strength_sigma": 0.365{bond}}},
         "test": {{"strain_step": 0.01, "max_strain": 0.12}}, "output": {{"snapshot_every_steps": 0}}{rest}"#
     )
+}
+
+#[test]
+fn the_example_of_both_directions_shows_errors() {
+    let mut examples = JobKind::NonwovenTensile.examples().iter();
+    let example = examples.find(|example| example.name == "nonwoven_tensile_directions");
+    let fewer = example
+        .expect("an example")
+        .body
+        .replace(r#""repeats": 5"#, r#""repeats": 2"#);
+    let (report, kept) = run_job(fewer.as_bytes());
+    for name in ["strength", "modulus_at_10_percent", "poisson_ratio"] {
+        for name in [name.to_owned(), format!("{name}_along_x")] {
+            let error = report.summary[&name].error.as_ref();
+            let parts = &error
+                .unwrap_or_else(|| panic!("{name}: {:?}", kept.log))
+                .parts;
+            let has = |source: &str| parts.iter().any(|part| part.source == source);
+            assert!(has("solver") && has("specimens"), "{name}: {parts:?}");
+        }
+    }
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
 }
 
 #[test]

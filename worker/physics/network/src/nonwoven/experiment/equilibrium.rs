@@ -72,8 +72,14 @@ impl Experiment<'_> {
                 (Method::Descent(self.descent()), DESCENT_SWEEPS)
             }
         };
-        // without strain the limit would be zero, so step 0 is held to the limit of step 1
-        let strain = self.nominal_strain().max(self.spec.test.strain_step);
+        // without strain the limit would be zero, so step 0 is held to the limit of step 1, and what is less
+        // strained than that, too; but a force that is read there is to be as exact for its size as any other
+        let strain = self.nominal_strain();
+        let strain = if strain > 0.0 && self.path.is_read(self.state.place, strain) {
+            strain
+        } else {
+            strain.max(self.spec.test.strain_step)
+        };
         Search {
             method,
             iteration_limit: knobs.iteration_limit.unwrap_or(iterations),

@@ -9,7 +9,7 @@ use super::ends::BondEnd;
 /// the sheet: rounded coordinates of two crossing lines say nothing about a direction.
 const COINCIDENT: f64 = 0.01;
 
-/// ε of [`across`]: fibres that cross at less than some 8° (1 − cos θ = ε) count as parallel.
+/// ε of [`across`]: fibres that cross at less than some 8° in the plane of the sheet (1 − cos φ = ε) count as parallel.
 const PARALLEL: f64 = 0.01;
 
 /// A fibre's direction is that of the chord over this share of its width to either side: within a straight part its
@@ -86,14 +86,38 @@ fn slenderness_squared(apart: Vector3<f64>, sections: [&BeamSection; 2]) -> f64 
 /// Takes out of a vector what lies along fibres with the unit directions t₁ and t₂.
 ///
 /// P = (1 + T²/ε²)⁻¹, T = t₁t₁ᵀ + t₂t₂ᵀ: across both fibres T has the eigenvalue 0, and P leaves as it is what lies
-/// there; of what lies in their plane, with the eigenvalues λ = 1 ± cos θ, it leaves 1/(1 + λ²/ε²), 10⁻⁴ where they
-/// cross at right angles. What lies between the axes of parallel fibres has 1 − cos θ = 0 and stays, too, and nothing
-/// jumps in between.
-fn across([one, other]: [Vector3<f64>; 2]) -> Matrix3<f64> {
-    let along = (one * one.transpose() + other * other.transpose()) / PARALLEL;
-    let sum = Matrix3::identity() + along * along;
+/// there; of what lies in their plane, with the eigenvalues λ = 1 ± cos θ along t₁ ± t₂, it leaves 1/(1 + λ²/ε²), 10⁻⁴
+/// where they cross at right angles. What lies between the axes of parallel fibres has 1 − cos θ = 0 and stays, too, and
+/// nothing jumps in between. Of θ only the angle φ in the plane of the sheet is a crossing, see [`of_slopes`].
+fn across(along: [Vector3<f64>; 2]) -> Matrix3<f64> {
+    let [one, other] = along;
+    let crossing = one * one.transpose() + other * other.transpose() - of_slopes(along);
+    let scaled = crossing / PARALLEL;
+    let sum = Matrix3::identity() + scaled * scaled;
     // at least the identity: it has an inverse
     sum.try_inverse().unwrap_or_else(Matrix3::identity)
+}
+
+/// The part of T along d = t₁ − t₂ that fibres have by their slopes alone: cos φ (1 − cos(β₁ − β₂)) with the angles β
+/// out of the plane of the sheet.
+///
+/// 1 − cos θ is that and (1 − cos φ)(1 − sin β₁ sin β₂). Straight fibres that run one above the other, φ = 0, and climb
+/// in opposite ways would go through one another: a sheet is pressed, and they bend and lie flat on one another. So
+/// such a face is across their mean direction only, as of parallel ones; crossing at right angles takes nothing away.
+fn of_slopes([one, other]: [Vector3<f64>; 2]) -> Matrix3<f64> {
+    let level = one.xy().norm() * other.xy().norm();
+    if level <= 0.0 {
+        return Matrix3::zeros();
+    }
+    // turned, such that both lead the same way
+    let cosine = one.xy().dot(&other.xy()) / level;
+    let other = other * cosine.signum();
+    let between = one - other;
+    let slopes = 1.0 - level - one.z * other.z;
+    // at most the whole, |d|²/2 = 1 − cos θ, but for rounding where there is hardly any
+    let whole = between.norm_squared().max(f64::MIN_POSITIVE);
+    let part = (slopes / whole).clamp(0.0, 0.5);
+    between * between.transpose() * (cosine.abs() * part)
 }
 
 #[cfg(test)]
@@ -163,6 +187,60 @@ mod tests {
         // nothing jumps from those to fibres that cross
         let turned = [towards(0.0), towards(1.0)];
         is_along(normal(ribbon, turned), expected, 0.01);
+    }
+
+    /// Unit direction turned in the plane, and out of it by a slope.
+    fn climbing(degrees: f64, slope: f64) -> Vector3<f64> {
+        (towards(degrees) + slope * Vector3::z()).normalize()
+    }
+
+    #[test]
+    fn fibres_one_above_the_other_lie_flat_whatever_their_slopes() {
+        // of straight ones the common perpendicular is ŷ
+        for (one, other) in [(0.3, -0.3), (-1.0, 1.0), (0.0, 0.6)] {
+            let mean = climbing(0.0, one) + climbing(0.0, other);
+            let expected = mean.normalize().cross(&Vector3::y());
+            for turn in [1.0, -1.0] {
+                let along = [climbing(0.0, one), turn * climbing(0.0, other)];
+                is_along(normal([0.0, 0.0, 8.0], along), expected, LEFT);
+                is_along(normal([0.0, 25.0, 0.0], along), Vector3::y(), 1e-12);
+                // rounded points, too
+                is_along(normal([0.0; 3], along), expected, LEFT);
+            }
+        }
+        // of d as of n, less what is left of it: d̂ ∝ (0, −sin φ/2, s), λ = (1 − cos φ)(1 + sin²β)
+        let (slope, angle) = (0.3_f64, 2.0_f64.to_radians());
+        let along = [climbing(-1.0, slope), climbing(1.0, -slope)];
+        let sine = (0.5 * angle).sin();
+        let squared = slope * slope / (1.0 + slope * slope);
+        let turn = (1.0 - angle.cos()) * (1.0 + squared) / 0.01;
+        let left = 1.0 / (1.0 + turn * turn);
+        let length = sine.hypot(slope);
+        let d = Vector3::new(0.0, -sine, slope) / length;
+        let n = Vector3::new(0.0, slope, sine) / length;
+        let expected = n * n.z + d * (left * d.z);
+        assert!(expected.normalize().z > 0.9999, "{expected}");
+        is_along(normal([0.0, 0.0, 8.0], along), expected, 1e-9);
+    }
+
+    #[test]
+    fn faces_turn_steadily_as_slopes_become_crossings() {
+        let at = |degrees: f64| {
+            normal(
+                [2.0, -1.0, 8.0],
+                [climbing(0.0, 0.3), climbing(degrees, -0.3)],
+            )
+        };
+        let tenths = (0..1800).map(|tenth| 0.1 * f64::from(tenth));
+        for degrees in tenths {
+            let turn = (at(degrees + 0.1) - at(degrees)).norm();
+            // fastest near 10°, about 8° for each degree
+            assert!(turn < 0.02, "{turn} at {degrees}");
+        }
+        // straight ones that cross are as they were: across both
+        let [one, other] = [climbing(0.0, 0.3), climbing(90.0, -0.3)];
+        let across = one.cross(&other);
+        is_along(normal([0.0, 0.0, 8.0], [one, other]), across, 0.01);
     }
 
     #[test]
