@@ -58,6 +58,7 @@ fn a_strip_bent_far_bears_what_the_elastica_says_and_the_correction_knows_its_st
     assert!((corrected - 1.034).abs() < 0.015, "{corrected}");
     let plain = value(&report, "flexural_stress") / stress;
     assert!((plain - 1.0).abs() > 0.08, "{plain}");
+    assert!(!is_unstable(&report));
 }
 
 /// Outer stress [MPa] at midspan of the same elastica: M = √(2 EI N sin α), N = F/(2 cos α).
@@ -65,6 +66,54 @@ fn elastica_stress() -> f64 {
     let normal = 6.989 / (2.0 * 0.5_f64.cos());
     let moment = (2.0 * 3_000.0 * 15.0 / 12.0 * normal * 0.5_f64.sin()).sqrt();
     6.0 * moment / 15.0
+}
+
+/// A column pushed at its free end, or between grips, by its `test`; Euler's load π² EI/(4 L²) of it is 0.1285 N,
+/// the strain at which it buckles between grips π² (h/L)²/3 = 0.206 %.
+fn column(test: &str, solver: &str) -> CompositeBending {
+    spec(&format!(
+        r#"{{"kind": "composite_bending", "spec": {{"version": 1,
+        "section": {{"length_mm": 40, "height_mm": 1, "thickness_mm": 1, "state": "plane_stress"}},
+        "materials": {{"m": {{"isotropic": {{"youngs_modulus_mpa": 1000, "poisson_ratio": 0}}}}}},
+        "matrix": "m", "grid": {{"cells": [40, 4]}}, "test": {test},
+        "accuracy": {{"geometry": "large", "load_steps": 4, "solver": "{solver}"}}}}}}"#
+    ))
+}
+
+fn is_unstable(report: &Report) -> bool {
+    let is_told = |code: &str| report.warnings.iter().any(|warning| warning.code == code);
+    let check = &report.quality["unstable_equilibrium"];
+    assert_eq!(is_told("unstable_equilibrium"), !check.ok);
+    assert!(!is_told("unknown_discretisation_error"));
+    !check.ok
+}
+
+#[test]
+fn a_straight_path_beyond_buckling_is_told_and_has_no_error() {
+    let pushed = |force_n: f64| {
+        format!(
+            r#"{{"supports": {{"left": "clamped"}}, "load": {{"force_n": [{force_n}, 0], "on": {{"face": "right"}}}}}}"#
+        )
+    };
+    let pressed =
+        |strain: f64| format!(r#"{{"tension": {{"strain": {strain}, "grips": "clamped"}}}}"#);
+    for (test, solver, expected) in [
+        (pushed(-0.12), "static", false),
+        (pushed(-0.14), "static", true),
+        (pushed(-0.12), "verlet", false),
+        (pushed(-0.14), "verlet", true),
+        (pressed(-0.0019), "static", false),
+        (pressed(-0.0022), "static", true),
+    ] {
+        let report = report(&column(&test, solver));
+        assert_eq!(is_unstable(&report), expected, "{test} {solver}");
+        let energy = &report.summary["strain_energy"];
+        assert_eq!(energy.error.is_none(), expected, "{test} {solver}");
+        let knows_grid = report
+            .quality
+            .contains_key("estimated_discretisation_error");
+        assert_ne!(knows_grid, expected, "{test} {solver}");
+    }
 }
 
 /// Keeps what a test tells.
