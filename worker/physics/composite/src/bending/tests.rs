@@ -347,6 +347,31 @@ fn the_force_on_a_moved_face_is_that_along_its_whole_way() {
 }
 
 #[test]
+fn an_impact_begins_with_the_kinetic_energy_of_its_velocity() {
+    let spec = spec(
+        r#"{"kind": "composite_bending", "spec": {"version": 1,
+        "section": {"length_mm": 20, "height_mm": 20, "thickness_mm": 2, "state": "plane_stress"},
+        "materials": {"m": {"isotropic": {"youngs_modulus_mpa": 1000, "poisson_ratio": 0.3},
+                            "density_kg_per_m3": 1200}},
+        "matrix": "m", "grid": {"cells": [8, 8]},
+        "test": {"supports": {"bottom": "clamped"},
+                 "history": {"velocity_mm_per_s": [300, -400], "duration_s": 1e-6, "points": 2}},
+        "accuracy": {"solver": "verlet"}}}"#,
+    );
+    let model = Model::new(&spec, finest(&spec)).unwrap();
+    let mut kept = Kept::default();
+    assert!(conduct(&model, None, context(), &mut kept).is_ok());
+    // ½ m v² of 1.2e-9 t/mm³ over 800 mm³, but for half of the lowest row of cells, which is held; 500 mm/s
+    let moving_t = 1.2e-9 * 800.0 * (1.0 - 1.0 / 16.0);
+    let [time_s, _, _, kinetic, elastic] = kept.points[0][..] else {
+        panic!("{:?}", kept.points);
+    };
+    assert!(time_s.abs() + elastic.abs() < f64::MIN_POSITIVE);
+    let given = 0.5 * moving_t * 500.0_f64.powi(2);
+    assert!((kinetic / given - 1.0).abs() < 1e-12, "{kinetic} {given}");
+}
+
+#[test]
 fn a_gap_between_two_short_fibres_is_known_within_the_error() {
     let spec = spec(
         r#"{"kind": "composite_bending", "spec": {"version": 1,
