@@ -116,6 +116,16 @@ fn a_straight_path_beyond_buckling_is_told_and_has_no_error() {
     }
 }
 
+#[test]
+fn a_strip_pressed_far_between_its_supports_is_held_by_the_rollers() {
+    let spec = bent_far(18.0);
+    let model = Model::new(&spec, finest(&spec)).unwrap();
+    let Ok(tested) = conduct(&model, None, context(), &mut Kept::default()) else {
+        panic!("it is bent");
+    };
+    assert_eq!(tested.unstable, None);
+}
+
 /// Keeps what a test tells.
 #[derive(Default)]
 struct Kept {
