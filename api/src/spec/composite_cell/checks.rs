@@ -1,7 +1,7 @@
 //! What the JSON Schema cannot say of a cell: names that must exist, fibres that find room.
 use super::{Arrangement, CompositeCell, Measured, RoundFibre};
 use crate::section::material::PlaneState;
-use crate::spec::composite_bending::checks::{check_material, unknown_material};
+use crate::spec::composite_bending::checks::{check_material, refused_interface, unknown_material};
 use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 
@@ -15,6 +15,11 @@ pub(super) fn check(spec: &CompositeCell, violations: &mut Violations) {
         let angles = [0.0, 90.0].into_iter();
         check_material(name, material, PlaneState::Strain, angles, violations);
     }
+    let others = spec
+        .materials
+        .iter()
+        .filter(|(name, _)| **name != spec.fibre);
+    violations.extend(others.filter_map(|(name, material)| refused_interface(name, material)));
     violations.extend(unknown_material(&spec.materials, "/matrix", &spec.matrix));
     violations.extend(unknown_material(&spec.materials, "/fibre", &spec.fibre));
     check_arrangement(spec, violations);
@@ -160,4 +165,35 @@ fn apart(one: &RoundFibre, other: &RoundFibre, size_mm: [f64; 2]) -> f64 {
         plain - size_mm[axis] * (plain / size_mm[axis]).round()
     };
     way(0).hypot(way(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{JobKind, Submission};
+    use serde_json::{Value, json};
+
+    #[test]
+    fn the_interface_of_a_matrix_is_refused() {
+        let body = JobKind::CompositeCell.examples()[0].body;
+        let mut body: Value = serde_json::from_str(body).expect("JSON");
+        let bears = json!({"strength_mpa": 60});
+        let interface = json!({"normal": bears, "shear": bears});
+        let [matrix, fibre] = ["matrix", "fibre"].map(|role| body["spec"][role].clone());
+        let mut with = |name: &Value| {
+            let name = name.as_str().expect("a name");
+            body["spec"]["materials"][name]["interface"] = interface.clone();
+            match Submission::from_slice(body.to_string().as_bytes()) {
+                Ok(_) => Vec::new(),
+                Err(error) => error.violations(),
+            }
+        };
+        assert_eq!(with(&fibre), []);
+        let refused = with(&matrix);
+        assert_eq!(refused.len(), 1);
+        let pointer = format!(
+            "/spec/materials/{}/interface",
+            matrix.as_str().expect("a name")
+        );
+        assert_eq!(refused[0].pointer, pointer);
+    }
 }

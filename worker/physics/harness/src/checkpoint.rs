@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use crate::{InterruptSource, Uninterrupted, Wanted};
 
 /// Raised whenever the state's form changes.
-const VERSION: u8 = 14;
+const VERSION: u8 = 15;
 const CHECKSUM_BYTES: usize = 32;
 /// Level 1: positions are nearly incompressible, so a higher level only costs time.
 const COMPRESSION_LEVEL: i32 = 1;

@@ -1,5 +1,5 @@
 //! What can break, and in which tests.
-use super::materials::escaped;
+use super::materials::refused_interface;
 use crate::spec::composite_bending::{
     CompositeBending, Delamination, Geometry, Lattice, Solver, Way,
 };
@@ -192,15 +192,8 @@ pub(super) fn check_split(spec: &CompositeBending, violations: &mut Violations) 
 fn check_interfaces(spec: &CompositeBending, violations: &mut Violations) {
     for (name, material) in &spec.materials {
         let is_fibre = spec.fibres.iter().any(|fibre| fibre.material == *name);
-        if material.interface.is_some() && !is_fibre {
-            violations.push(
-                Violation::new(
-                    format!("/materials/{}/interface", escaped(name)),
-                    "not_allowed",
-                    "no fibre is of this material, so that it has no interface",
-                )
-                .allowed("the interface of a fibre's material"),
-            );
+        if !is_fibre {
+            violations.extend(refused_interface(name, material));
         }
     }
 }

@@ -78,6 +78,17 @@ pub(crate) fn check_material(
     }
 }
 
+/// The interface of a material of which no fibre is.
+pub(crate) fn refused_interface(name: &str, material: &Material) -> Option<Violation> {
+    material.interface?;
+    let refused = Violation::new(
+        format!("{}/interface", pointer_to(name)),
+        "not_allowed",
+        "no fibre is of this material, so that it has no interface",
+    );
+    Some(refused.allowed("the interface of a fibre's material"))
+}
+
 pub(in super::super) fn pointer_to(material: &str) -> String {
     format!("/materials/{}", escaped(material))
 }

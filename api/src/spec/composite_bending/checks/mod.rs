@@ -10,7 +10,7 @@ use super::{BondPattern, CompositeBending, Geometry, Lattice, Solver, Way};
 use crate::violations::LISTED_OF_A_SORT;
 use crate::{Violation, Violations};
 pub(super) use materials::pointer_to;
-pub(crate) use materials::{check_material, unknown_material};
+pub(crate) use materials::{check_material, refused_interface, unknown_material};
 
 /// More particles than this are refused.
 const MOST_PARTICLES: u64 = 50_000_000;

@@ -4,6 +4,7 @@ use loadframe_harness::RunContext;
 
 use super::model::Model;
 use super::progress::{HistoryState, Progress};
+use super::rest::unstable;
 use super::swing::Swing;
 use super::tested::Tested;
 use super::watch::{Halt, Watch, share};
@@ -96,5 +97,6 @@ pub(super) fn conduct(
             watch.look(fraction, &mut state)?;
         }
     }
-    Ok(Tested::in_time(at_rest, &motion, swing))
+    let unstable = unstable(model, &at_rest)?;
+    Ok(Tested::in_time(at_rest, &motion, swing).unstable(unstable))
 }

@@ -33,6 +33,8 @@ pub(super) struct RollersState {
     pub(super) done: u32,
     /// Where the rollers are, in large displacements.
     pub(super) rolling: Option<RollingState>,
+    /// Part of the drive at the first rest that was not stable.
+    pub(super) unstable: Option<f64>,
 }
 
 /// How far the motion is.

@@ -151,6 +151,17 @@ fn checks(
         "1",
         "Cells that the displacements turn inside out, at the end; cells that broke are left out.",
     );
+    // what buckles nothing has no such check
+    if model.geometry() == Geometry::Large {
+        report.check(
+            "unstable_equilibrium",
+            f64::from(u8::from(tested.unstable.is_some())),
+            0.0,
+            "1",
+            "1 where at a rest on the way, or at the end, the least push would lead away, as on the straight \
+             path beyond buckling.",
+        );
+    }
     if let Some(broken) = &tested.broken {
         report.check(
             "closed_cracks_overloaded",
@@ -215,10 +226,20 @@ fn warn(
             ),
         );
     }
+    if let Some(share) = tested.unstable {
+        report.warn(
+            "unstable_equilibrium",
+            format!(
+                "at {share} of the load the balance found is one that the least push ends, as that of a straight \
+                 column beyond its buckling load; results are of such a balance, and how wrong they are is not \
+                 known: push a little aside as well, and the section is followed to where it buckles"
+            ),
+        );
+    }
     let knows_grid_error = report
         .checks()
         .any(|(name, _)| name == "estimated_discretisation_error");
-    if !knows_grid_error && model.comparison() != Comparison::None {
+    if !knows_grid_error && tested.unstable.is_none() && model.comparison() != Comparison::None {
         report.warn(
             "unknown_discretisation_error",
             "no coarser grid could be tried, so that the grid's error is not known".to_owned(),

@@ -12,7 +12,7 @@ use super::tested::Tested;
 use super::watch::{Halt, Watch, share};
 use crate::lattice::Geometry;
 use crate::motion::{Damping, Motion, MotionOptions, Rest, Scheme};
-use crate::solve::{LoadPath, StaticOptions};
+use crate::solve::{Equilibrium, LoadPath, StaticOptions, is_stable};
 
 pub(super) fn conduct(
     model: &Model<'_>,
@@ -98,7 +98,15 @@ fn by_equations(
             ])?;
         }
     }
-    Ok(Tested::at_rest(equilibrium))
+    Ok(Tested::at_rest(equilibrium).unstable(path.unstable()))
+}
+
+/// The whole load, where its rest in large displacements is not stable.
+pub(super) fn unstable(model: &Model<'_>, rest: &Equilibrium) -> Result<Option<f64>, Halt> {
+    let u = &rest.displacements_mm;
+    let is_sure =
+        model.geometry() == Geometry::Linear || is_stable(&model.lattice, &model.supports, u)?;
+    Ok((!is_sure).then_some(1.0))
 }
 
 fn by_motion(
@@ -146,5 +154,6 @@ fn by_motion(
     }
     let equilibrium = outcome?;
     watch.point(&results::point(model, &equilibrium, 1.0))?;
-    Ok(Tested::at_rest(equilibrium))
+    let unstable = unstable(model, &equilibrium)?;
+    Ok(Tested::at_rest(equilibrium).unstable(unstable))
 }

@@ -41,6 +41,7 @@ pub(super) fn conduct(
         if let Some(state) = state.rolling {
             rolling.resume(state)?;
         }
+        let mut unstable = state.unstable;
         for step in done + 1..=steps {
             match drive(given, share(step)) {
                 Drive::Force(force_n) => rolling.press_to(force_n)?,
@@ -49,13 +50,17 @@ pub(super) fn conduct(
             let contact = rolling.equilibrium()?;
             let found = flexure.read(section, lattice, Geometry::Large, contact)?;
             watch.point(&point(&found, share(step)))?;
+            if !rolling.is_stable()? {
+                unstable.get_or_insert(share(step));
+            }
             if step == steps {
-                return Ok(Tested::bent(found));
+                return Ok(Tested::bent(found).unstable(unstable));
             }
             watch.look(share(step), &mut || {
                 Progress::Rollers(RollersState {
                     done: step,
                     rolling: Some(rolling.state()),
+                    unstable,
                 })
             })?;
         }
@@ -72,6 +77,7 @@ pub(super) fn conduct(
             Progress::Rollers(RollersState {
                 done: step,
                 rolling: None,
+                unstable: None,
             })
         })?;
     }

@@ -14,6 +14,8 @@ use crate::solve::Equilibrium;
 pub(super) struct Tested {
     /// At rest under the whole load.
     pub(super) rest: Equilibrium,
+    /// Part of the load at the first rest on the way from which the least push leads away.
+    pub(super) unstable: Option<f64>,
     /// What was seen of a motion, and its displacements at the end.
     pub(super) motion: Option<Moved>,
     /// What rollers did.
@@ -59,6 +61,7 @@ impl Tested {
     pub(super) fn at_rest(rest: Equilibrium) -> Self {
         Self {
             rest,
+            unstable: None,
             motion: None,
             bent: None,
             broken: None,
@@ -69,6 +72,7 @@ impl Tested {
         let bent = Bent::of(&found);
         Self {
             rest: found.contact.equilibrium,
+            unstable: None,
             motion: None,
             bent: Some(bent),
             broken: None,
@@ -84,10 +88,16 @@ impl Tested {
         };
         Self {
             rest,
+            unstable: None,
             motion: Some(motion),
             bent: None,
             broken: None,
         }
+    }
+
+    /// The same, with where it first was not stable.
+    pub(super) fn unstable(self, unstable: Option<f64>) -> Self {
+        Self { unstable, ..self }
     }
 
     /// Work done, by name.

@@ -58,6 +58,7 @@ fn a_strip_bent_far_bears_what_the_elastica_says_and_the_correction_knows_its_st
     assert!((corrected - 1.034).abs() < 0.015, "{corrected}");
     let plain = value(&report, "flexural_stress") / stress;
     assert!((plain - 1.0).abs() > 0.08, "{plain}");
+    assert!(!is_unstable(&report));
 }
 
 /// Outer stress [MPa] at midspan of the same elastica: M = √(2 EI N sin α), N = F/(2 cos α).
@@ -65,6 +66,64 @@ fn elastica_stress() -> f64 {
     let normal = 6.989 / (2.0 * 0.5_f64.cos());
     let moment = (2.0 * 3_000.0 * 15.0 / 12.0 * normal * 0.5_f64.sin()).sqrt();
     6.0 * moment / 15.0
+}
+
+/// A column pushed at its free end, or between grips, by its `test`; Euler's load π² EI/(4 L²) of it is 0.1285 N,
+/// the strain at which it buckles between grips π² (h/L)²/3 = 0.206 %.
+fn column(test: &str, solver: &str) -> CompositeBending {
+    spec(&format!(
+        r#"{{"kind": "composite_bending", "spec": {{"version": 1,
+        "section": {{"length_mm": 40, "height_mm": 1, "thickness_mm": 1, "state": "plane_stress"}},
+        "materials": {{"m": {{"isotropic": {{"youngs_modulus_mpa": 1000, "poisson_ratio": 0}}}}}},
+        "matrix": "m", "grid": {{"cells": [40, 4]}}, "test": {test},
+        "accuracy": {{"geometry": "large", "load_steps": 4, "solver": "{solver}"}}}}}}"#
+    ))
+}
+
+fn is_unstable(report: &Report) -> bool {
+    let is_told = |code: &str| report.warnings.iter().any(|warning| warning.code == code);
+    let check = &report.quality["unstable_equilibrium"];
+    assert_eq!(is_told("unstable_equilibrium"), !check.ok);
+    assert!(!is_told("unknown_discretisation_error"));
+    !check.ok
+}
+
+#[test]
+fn a_straight_path_beyond_buckling_is_told_and_has_no_error() {
+    let pushed = |force_n: f64| {
+        format!(
+            r#"{{"supports": {{"left": "clamped"}}, "load": {{"force_n": [{force_n}, 0], "on": {{"face": "right"}}}}}}"#
+        )
+    };
+    let pressed =
+        |strain: f64| format!(r#"{{"tension": {{"strain": {strain}, "grips": "clamped"}}}}"#);
+    for (test, solver, expected) in [
+        (pushed(-0.12), "static", false),
+        (pushed(-0.14), "static", true),
+        (pushed(-0.12), "verlet", false),
+        (pushed(-0.14), "verlet", true),
+        (pressed(-0.0019), "static", false),
+        (pressed(-0.0022), "static", true),
+    ] {
+        let report = report(&column(&test, solver));
+        assert_eq!(is_unstable(&report), expected, "{test} {solver}");
+        let energy = &report.summary["strain_energy"];
+        assert_eq!(energy.error.is_none(), expected, "{test} {solver}");
+        let knows_grid = report
+            .quality
+            .contains_key("estimated_discretisation_error");
+        assert_ne!(knows_grid, expected, "{test} {solver}");
+    }
+}
+
+#[test]
+fn a_strip_pressed_far_between_its_supports_is_held_by_the_rollers() {
+    let spec = bent_far(18.0);
+    let model = Model::new(&spec, finest(&spec)).unwrap();
+    let Ok(tested) = conduct(&model, None, context(), &mut Kept::default()) else {
+        panic!("it is bent");
+    };
+    assert_eq!(tested.unstable, None);
 }
 
 /// Keeps what a test tells.
@@ -295,6 +354,31 @@ fn the_force_on_a_moved_face_is_that_along_its_whole_way() {
     let force = &slanted.summary["max_force"];
     let stated = force.error.as_ref().unwrap().value / force.value.unwrap();
     assert!(error > 1e-3 && (error - stated).abs() < 1e-12, "{error}");
+}
+
+#[test]
+fn an_impact_begins_with_the_kinetic_energy_of_its_velocity() {
+    let spec = spec(
+        r#"{"kind": "composite_bending", "spec": {"version": 1,
+        "section": {"length_mm": 20, "height_mm": 20, "thickness_mm": 2, "state": "plane_stress"},
+        "materials": {"m": {"isotropic": {"youngs_modulus_mpa": 1000, "poisson_ratio": 0.3},
+                            "density_kg_per_m3": 1200}},
+        "matrix": "m", "grid": {"cells": [8, 8]},
+        "test": {"supports": {"bottom": "clamped"},
+                 "history": {"velocity_mm_per_s": [300, -400], "duration_s": 1e-6, "points": 2}},
+        "accuracy": {"solver": "verlet"}}}"#,
+    );
+    let model = Model::new(&spec, finest(&spec)).unwrap();
+    let mut kept = Kept::default();
+    assert!(conduct(&model, None, context(), &mut kept).is_ok());
+    // ½ m v² of 1.2e-9 t/mm³ over 800 mm³, but for half of the lowest row of cells, which is held; 500 mm/s
+    let moving_t = 1.2e-9 * 800.0 * (1.0 - 1.0 / 16.0);
+    let [time_s, _, _, kinetic, elastic] = kept.points[0][..] else {
+        panic!("{:?}", kept.points);
+    };
+    assert!(time_s.abs() + elastic.abs() < f64::MIN_POSITIVE);
+    let given = 0.5 * moving_t * 500.0_f64.powi(2);
+    assert!((kinetic / given - 1.0).abs() < 1e-12, "{kinetic} {given}");
 }
 
 #[test]

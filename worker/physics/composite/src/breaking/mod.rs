@@ -50,6 +50,7 @@ pub use begun::opened_lattice;
 pub use contact::Pressed;
 pub use curve::{Control, Machine, machine_curve};
 pub use event::{Advance, Dissipated, EndReason, Event, Mode, Totals};
+pub(crate) use laws::{check as check_strength, check_interface};
 pub use options::{BetweenPlies, BreakingOptions, MaterialStrength, OpenFace, Specimen, Stop};
 pub use part::BrokenPart;
 pub(crate) use ply_faces::NO_MATERIAL;

@@ -1,10 +1,9 @@
 //! Values read off a cell.
-use loadframe_api::spec::composite_bending::Limit;
 use loadframe_api::spec::composite_cell::CompositeCell;
 use loadframe_harness::csv;
 
 use crate::error::CompositeError;
-use crate::homogenise::{Effective, Errors, Load, Part, Strengths};
+use crate::homogenise::{Effective, Errors, Load, Part, PhaseStrength, Strengths};
 
 /// A result of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -163,7 +162,7 @@ pub(super) fn strengths(
 ) -> Result<Vec<Strength>, CompositeError> {
     let limits = limits(spec);
     let mut all = Vec::new();
-    if limits == Strengths::default() {
+    if limits.are_none() {
         return Ok(all);
     }
     for (stress, kind) in LOADS {
@@ -185,21 +184,18 @@ pub(super) fn strengths(
 
 /// What begins damage, as far as materials have it.
 fn limits(spec: &CompositeCell) -> Strengths {
-    let mpa = |limit: Option<Limit>| limit.map(|limit| limit.strength_mpa);
     let strength = |name: &String| {
         let material = spec.materials.get(name);
-        material
-            .and_then(|material| material.strength)
-            .unwrap_or_default()
+        let limits = material.and_then(|material| material.strength);
+        PhaseStrength {
+            is_orthotropic: material.is_some_and(|material| material.orthotropic.is_some()),
+            limits: limits.unwrap_or_default().into(),
+        }
     };
-    let (matrix, fibre) = (strength(&spec.matrix), strength(&spec.fibre));
-    let interface = spec.materials.get(&spec.fibre);
-    let interface = interface.and_then(|material| material.interface);
+    let fibre = spec.materials.get(&spec.fibre);
     Strengths {
-        matrix_tension_mpa: mpa(matrix.tension),
-        fibre_tension_mpa: mpa(fibre.tension),
-        fibre_compression_mpa: mpa(fibre.compression),
-        interface_normal_mpa: mpa(interface.map(|interface| interface.normal)),
-        interface_shear_mpa: mpa(interface.map(|interface| interface.shear)),
+        matrix: strength(&spec.matrix),
+        fibre: strength(&spec.fibre),
+        interface: fibre.and_then(|fibre| fibre.interface).map(Into::into),
     }
 }

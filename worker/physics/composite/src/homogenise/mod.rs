@@ -32,7 +32,7 @@ mod torus;
 
 pub use constants::Constants;
 pub use effective::{Effective, Load};
-pub use onset::{Onset, Part, Site, Strengths};
+pub use onset::{Onset, Part, PhaseStrength, Site, Strengths};
 pub use places::{Randomness, fibre_places};
 pub use refined::Errors;
 

@@ -8,21 +8,28 @@ use nalgebra::{Matrix3, Vector6};
 use super::effective::{Effective, Load};
 use super::phase::Space;
 use super::pixels::{FIBRE, MATRIX, Pixels};
-use crate::error::{CompositeError, positive};
+use crate::breaking::{check_interface, check_strength};
+use crate::error::CompositeError;
+use crate::strength::{InterfaceStrength, Limit, Strength};
+
+/// What a phase bears.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PhaseStrength {
+    /// Whether it has fibres of its own along axis 1: its limits are then those of its axes, else those of
+    /// principal stresses.
+    pub is_orthotropic: bool,
+    /// Limits [MPa]. Energies that cracks take do not matter to where damage begins.
+    pub limits: Strength,
+}
 
 /// Limits of stress; what has none does not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Strengths {
-    /// Largest principal stress in the matrix [MPa].
-    pub matrix_tension_mpa: Option<f64>,
-    /// Stress along the fibre [MPa].
-    pub fibre_tension_mpa: Option<f64>,
-    /// The same in compression, as a positive number [MPa].
-    pub fibre_compression_mpa: Option<f64>,
-    /// Tension σ across the interface [MPa], and shear τ along it [MPa]:
+    pub matrix: PhaseStrength,
+    pub fibre: PhaseStrength,
+    /// Tension σ across the interface and shear τ along it [MPa]:
     /// (max(σ, 0)/σ₀)² + (τ/τ₀)² = 1. Source: [BrewerLagace1988].
-    pub interface_normal_mpa: Option<f64>,
-    pub interface_shear_mpa: Option<f64>,
+    pub interface: Option<InterfaceStrength>,
 }
 
 /// Where a limit is reached first.
@@ -66,77 +73,155 @@ impl Onset {
     }
 }
 
-impl Strengths {
-    fn checked(&self) -> Result<(), CompositeError> {
-        for (quantity, given) in [
-            (
-                "the matrix' strength in tension [MPa]",
-                self.matrix_tension_mpa,
-            ),
-            (
-                "the fibre's strength in tension [MPa]",
-                self.fibre_tension_mpa,
-            ),
-            (
-                "the fibre's strength in compression [MPa]",
-                self.fibre_compression_mpa,
-            ),
-            (
-                "the interface's strength in tension [MPa]",
-                self.interface_normal_mpa,
-            ),
-            (
-                "the interface's strength in shear [MPa]",
-                self.interface_shear_mpa,
-            ),
-        ] {
-            given.map(|given| positive(quantity, given)).transpose()?;
+impl PhaseStrength {
+    /// The least limit [MPa]; 0 where there is none.
+    fn least(&self) -> f64 {
+        let Strength {
+            tension,
+            compression,
+            across_tension,
+            across_compression,
+            shear,
+        } = self.limits;
+        least([
+            tension,
+            compression,
+            across_tension,
+            across_compression,
+            shear,
+        ])
+    }
+
+    /// Share of its limit that a stress has, whose 1 lies along the fibres.
+    ///
+    /// - Isotropic: the largest principal stress of all three over `tension`, the least over `compression`.
+    /// - Orthotropic: the stress along axis 1 over `tension` or `compression`, or the sum of squares of
+    ///   [`between_fibres`].
+    ///
+    /// The laws of a section that breaks ([`crate::breaking`]), whose stresses lie in its plane, in space.
+    fn share(&self, stress: &Vector6<f64>) -> f64 {
+        let limits = &self.limits;
+        if limits.is_unbreakable() {
+            return 0.0;
         }
-        Ok(())
+        let of =
+            |limit: Option<Limit>, stress: f64| limit.map_or(0.0, |limit| stress / limit.limit);
+        if self.is_orthotropic {
+            let along = of(limits.tension, stress[0]).max(of(limits.compression, -stress[0]));
+            along.max(between_fibres(limits, stress).sqrt())
+        } else {
+            let [least, largest] = principal(stress);
+            of(limits.tension, largest).max(of(limits.compression, -least))
+        }
+    }
+}
+
+/// Of all planes along axis 1 the largest (σ/Y)² + (τ/S)², with σ [MPa] across the plane, Y the limit across
+/// fibres in tension or compression, τ [MPa] along axis 1 and S the limit in shear: [Hashin1980]'s quadratic sum
+/// on the plane it acts on. Shear of the plane across axis 1, for which materials here have no limit, is left
+/// out.
+fn between_fibres(limits: &Strength, stress: &Vector6<f64>) -> f64 {
+    if [
+        limits.across_tension,
+        limits.across_compression,
+        limits.shear,
+    ]
+    .iter()
+    .all(Option::is_none)
+    {
+        return 0.0;
+    }
+    let [_, s22, s33, s23, s13, s12] = (*stress).into();
+    let square = |limit: Option<Limit>, stress: f64| {
+        limit.map_or(0.0, |limit| (stress / limit.limit).powi(2))
+    };
+    let on = |angle: f64| {
+        let (s, c) = angle.sin_cos();
+        let across = c * c * s22 + s * s * s33 + 2.0 * c * s * s23;
+        let limit = if across > 0.0 {
+            limits.across_tension
+        } else {
+            limits.across_compression
+        };
+        square(limit, across) + square(limits.shear, c * s12 + s * s13)
+    };
+    let mut step = std::f64::consts::PI / f64::from(PLANES);
+    let (mut worst, mut at) = (0.0, 0.0);
+    let meet = |angle: f64, (worst, at): (f64, f64)| {
+        let sum = on(angle);
+        if sum > worst {
+            (sum, angle)
+        } else {
+            (worst, at)
+        }
+    };
+    for place in 0..PLANES {
+        (worst, at) = meet(f64::from(place) * step, (worst, at));
+    }
+    for _ in 0..HALVINGS {
+        step *= 0.5;
+        for angle in [at - step, at + step] {
+            (worst, at) = meet(angle, (worst, at));
+        }
+    }
+    worst
+}
+
+/// Planes that are tried, the sum having no harmonic of the angle above the fourth: none of its peaks is missed by
+/// more than 1.5 % of it. The highest found is then followed, its step halved as often as to leave 1e-8.
+const PLANES: u32 = 36;
+const HALVINGS: u32 = 12;
+
+/// The least of some limits [MPa]; 0 where there is none.
+fn least<const N: usize>(limits: [Option<Limit>; N]) -> f64 {
+    let limits = limits.into_iter().flatten().map(|limit| limit.limit);
+    let least = limits.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
+impl Strengths {
+    /// Whether nothing fails.
+    #[must_use]
+    pub fn are_none(&self) -> bool {
+        let is_firm = |phase: &PhaseStrength| phase.limits.is_unbreakable();
+        is_firm(&self.matrix) && is_firm(&self.fibre) && self.interface.is_none()
+    }
+
+    fn checked(&self) -> Result<(), CompositeError> {
+        check_strength(&self.matrix.limits)?;
+        check_strength(&self.fibre.limits)?;
+        self.interface.as_ref().map_or(Ok(()), check_interface)
     }
 
     /// The least limit of matrix, fibre and interface [MPa]; 0 where there is none.
     fn least(&self) -> [f64; 3] {
-        let least = |limits: [Option<f64>; 2]| {
-            let least = limits.into_iter().flatten().fold(f64::INFINITY, f64::min);
-            if least.is_finite() { least } else { 0.0 }
-        };
+        let interface = self.interface;
         [
-            least([self.matrix_tension_mpa, None]),
-            least([self.fibre_tension_mpa, self.fibre_compression_mpa]),
-            least([self.interface_normal_mpa, self.interface_shear_mpa]),
+            self.matrix.least(),
+            self.fibre.least(),
+            least([
+                interface.map(|interface| interface.normal),
+                interface.map(|interface| interface.shear),
+            ]),
         ]
-    }
-
-    /// Share of its limit that a stress in the matrix has.
-    fn of_matrix(&self, stress: &Vector6<f64>) -> f64 {
-        self.matrix_tension_mpa
-            .map_or(0.0, |limit| largest_principal(stress) / limit)
-    }
-
-    fn of_fibre(&self, stress: &Vector6<f64>) -> f64 {
-        let share = |limit: Option<f64>, stress: f64| limit.map_or(0.0, |limit| stress / limit);
-        share(self.fibre_tension_mpa, stress[0]).max(share(self.fibre_compression_mpa, -stress[0]))
     }
 
     /// Of a stress in the frame of the face, whose 2 is the normal.
     fn of_interface(&self, stress: &Vector6<f64>) -> f64 {
-        let share =
-            |limit: Option<f64>, square: f64| limit.map_or(0.0, |limit| square / (limit * limit));
+        let share = |limit: Limit, square: f64| square / (limit.limit * limit.limit);
         let shear = stress[3] * stress[3] + stress[5] * stress[5];
         let tension = stress[1].max(0.0);
-        (share(self.interface_normal_mpa, tension * tension)
-            + share(self.interface_shear_mpa, shear))
-        .sqrt()
+        self.interface.map_or(0.0, |interface| {
+            (share(interface.normal, tension * tension) + share(interface.shear, shear)).sqrt()
+        })
     }
 }
 
-/// Of a stress in the order 11, 22, 33, 23, 13, 12.
-fn largest_principal(stress: &Vector6<f64>) -> f64 {
+/// The least and the largest of a stress in the order 11, 22, 33, 23, 13, 12.
+fn principal(stress: &Vector6<f64>) -> [f64; 2] {
     let [s11, s22, s33, s23, s13, s12] = (*stress).into();
-    Matrix3::new(s11, s12, s13, s12, s22, s23, s13, s23, s33)
-        .symmetric_eigenvalues()
-        .max()
+    let all = Matrix3::new(s11, s12, s13, s12, s22, s23, s13, s23, s33).symmetric_eigenvalues();
+    [all.min(), all.max()]
 }
 
 /// Fewest pixels across a fibre: with fewer none may lie whole in it.
@@ -182,18 +267,18 @@ impl Effective {
                 let is_cut = |near| pixels.cut(near).is_some();
                 let (strain, stress) = around(pixels, &strains, pixel, is_cut);
                 let matrix = cut.matrix_side(&phases[0], &strain, &stress);
-                meet(Part::Matrix, strengths.of_matrix(&matrix), pixel);
+                meet(Part::Matrix, strengths.matrix.share(&matrix), pixel);
                 meet(Part::Interface, strengths.of_interface(&matrix), pixel);
                 continue;
             }
             let stress = pixels.stress(pixel, strain);
             largest = largest.max(stress.amax());
             if pixels.kind[pixel] == MATRIX {
-                meet(Part::Matrix, strengths.of_matrix(&stress), pixel);
+                meet(Part::Matrix, strengths.matrix.share(&stress), pixel);
             } else {
                 let is_fibre = |near: usize| pixels.kind[near] == FIBRE;
                 let (_, stress) = around(pixels, &strains, pixel, is_fibre);
-                meet(Part::Fibre, strengths.of_fibre(&stress), pixel);
+                meet(Part::Fibre, strengths.fibre.share(&stress), pixel);
             }
         }
         let limits = strengths.least();

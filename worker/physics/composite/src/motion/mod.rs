@@ -177,6 +177,17 @@ impl<'a> Motion<'a> {
                 self.before[place] -= self.time_step * velocity[place % 2];
             }
         }
+        self.kinetic = 0.5 * self.moved() / (self.time_step * self.time_step);
+    }
+
+    /// Σ m Δu² of the last step [t mm²].
+    fn moved(&self) -> f64 {
+        let mut moved = 0.0;
+        for (place, u) in self.u.iter().enumerate() {
+            let shift = u - self.before[place];
+            moved += self.lattice.masses_t()[place / 2] * shift * shift;
+        }
+        moved
     }
 
     /// Takes the load away; what is displaced goes on from where it is.
@@ -224,7 +235,7 @@ impl<'a> Motion<'a> {
         self.steps as f64 * self.time_step
     }
 
-    /// Kinetic energy half a step ago [N mm].
+    /// Kinetic energy half a step ago, before the first that of the velocity given [N mm].
     #[must_use]
     pub fn kinetic_energy_n_mm(&self) -> f64 {
         self.kinetic
@@ -295,12 +306,7 @@ impl<'a> Motion<'a> {
                 );
             }
         }
-        let mut kinetic = 0.0;
-        for (place, u) in self.u.iter().enumerate() {
-            let shift = u - self.before[place];
-            kinetic += self.lattice.masses_t()[place / 2] * shift * shift;
-        }
-        self.watch(kinetic)
+        self.watch(self.moved())
     }
 
     /// A step of springs between cells; Σ m Δu² [t mm²].

@@ -31,6 +31,22 @@ pub(crate) enum Equations {
 /// What is asked of conjugate gradients for one right-hand side; equilibrium refines further.
 const ITERATED_TOLERANCE: f64 = 1e-11;
 
+/// The residual at which no motion is left unknown: of 10⁶ displacements each has about 10⁻³ of the right-hand
+/// side.
+const STABLE_TOLERANCE: f64 = 1e-6;
+
+/// Numbers between -½ and ½ without order, the same every time: SplitMix64 [SteeleLeaFlood2014] of the places.
+fn scattered(size: usize) -> Vec<f64> {
+    let of = |place: u64| {
+        let mut bits = place.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        bits ^= bits >> 31;
+        (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    (0..size as u64).map(of).collect()
+}
+
 impl Equations {
     pub(crate) fn new(
         method: Method,
@@ -59,6 +75,27 @@ impl Equations {
         match self {
             Self::Factored(direct) => direct.factor(matrix),
             Self::Iterated(multigrid) => multigrid.prepare(matrix),
+        }
+    }
+
+    /// Whether the matrix that was prepared is positive definite, over the free displacements.
+    ///
+    /// A factor has told already. Of conjugate gradients only a coarser grid's matrix was factored, so that
+    /// they are let go from a right-hand side with a part in every motion: the residual of a motion of negative
+    /// stiffness does not fall before the iterations know its stiffness, by Lanczos' process, and then a
+    /// direction curves down.
+    ///
+    /// # Source
+    ///
+    /// [HestenesStiefel1952]; that conjugate gradients are Lanczos' process: [GolubVanLoan2013], chapter 11.
+    pub(crate) fn is_positive(&mut self, matrix: &GridMatrix) -> bool {
+        match self {
+            Self::Factored(_) => true,
+            Self::Iterated(multigrid) => {
+                let size = 2 * matrix.particles();
+                let mut solution = vec![0.0; size];
+                multigrid.converges(matrix, &scattered(size), &mut solution, STABLE_TOLERANCE)
+            }
         }
     }
 

@@ -6,8 +6,11 @@
 //! Π(u) = U(u) - λ f · u   (5)
 //!
 //! with a line search that only ever goes downhill and never turns a cell inside out. Where the
-//! tangent is not positive definite (the section buckles), the convex part of it leads on, so that
-//! what is found is a stable equilibrium.
+//! tangent is not positive definite (the section buckles), the convex part of it leads on downhill. From
+//! a straight section that is pushed along its axis no way aside goes downhill at first, so that what is found
+//! may be a saddle; whether it is, [`Search::is_stable`] tells.
+//!
+//! What looks for a rest and what asks whether it is stable have their equations in common: one file.
 use crate::error::CompositeError;
 use crate::lattice::{Geometry, Lattice, Tangent};
 use crate::matrix::{GridMatrix, dot};
@@ -90,6 +93,8 @@ pub(super) struct Search<'a> {
     left: Unbalanced,
     /// Largest stiffness of a particle as it was factored last [N/mm].
     stiffest: f64,
+    /// Whether the exact tangent at u, from which the next step begins, is prepared already.
+    pub(super) is_prepared: bool,
     solutions: u64,
     iterations: u64,
 }
@@ -132,6 +137,7 @@ impl<'a> Search<'a> {
                 round_off: 0.0,
             },
             stiffest: 0.0,
+            is_prepared: false,
             solutions: 0,
             iterations: 0,
         })
@@ -180,11 +186,14 @@ impl<'a> Search<'a> {
     }
 
     fn solve(&mut self) -> Result<(), CompositeError> {
+        self.try_solve().map_err(|failure| self.told(failure))
+    }
+
+    fn try_solve(&mut self) -> Result<(), NoFactor> {
         self.solutions += 1;
-        let iterations = self
+        self.iterations += self
             .equations
-            .solve(&self.matrix, &self.right, &mut self.step);
-        self.iterations += iterations.map_err(|failure| self.told(failure))?;
+            .solve(&self.matrix, &self.right, &mut self.step)?;
         Ok(())
     }
 
@@ -230,28 +239,54 @@ impl<'a> Search<'a> {
 
     /// Factors the tangent at u, its convex part where it is not positive definite.
     fn prepare(&mut self) -> Result<(), CompositeError> {
-        for tangent in [Tangent::Exact, Tangent::Convex] {
-            self.lattice
-                .tangent(Geometry::Large, tangent, &self.u, &mut self.matrix);
-            let exact = tangent == Tangent::Exact;
-            self.circles.stiffen(&self.u, exact, &mut self.matrix);
-            match self.equations.prepare(&self.matrix) {
-                Ok(()) => {
-                    let all = (0..self.u.len()).map(|place| self.matrix.diagonal(place));
-                    self.stiffest = all.fold(0.0, f64::max);
-                    return Ok(());
-                }
-                Err(NoFactor::Indefinite { .. }) if tangent == Tangent::Exact => {}
-                Err(failure) => return Err(self.told(failure)),
-            }
+        if std::mem::take(&mut self.is_prepared) {
+            return Ok(());
         }
+        let prepared = match self.prepare_part(Tangent::Exact) {
+            Err(NoFactor::Indefinite { .. }) => self.prepare_part(Tangent::Convex),
+            prepared => prepared,
+        };
+        prepared.map_err(|failure| self.told(failure))
+    }
+
+    fn prepare_part(&mut self, tangent: Tangent) -> Result<(), NoFactor> {
+        self.lattice
+            .tangent(Geometry::Large, tangent, &self.u, &mut self.matrix);
+        let exact = tangent == Tangent::Exact;
+        self.circles.stiffen(&self.u, exact, &mut self.matrix);
+        self.equations.prepare(&self.matrix)?;
+        let all = (0..self.u.len()).map(|place| self.matrix.diagonal(place));
+        self.stiffest = all.fold(0.0, f64::max);
         Ok(())
+    }
+
+    /// Whether it takes energy to push the section from its rest whichever way: whether the exact tangent at u
+    /// is positive definite, which is prepared then.
+    pub(super) fn is_stable(&mut self) -> Result<bool, CompositeError> {
+        match self.prepare_part(Tangent::Exact) {
+            Ok(()) => Ok(self.equations.is_positive(&self.matrix)),
+            Err(NoFactor::Indefinite { .. }) => Ok(false),
+            Err(failure) => Err(self.told(failure)),
+        }
+    }
+
+    /// Solves for the present right-hand side with the tangent that was prepared; with its convex part where
+    /// only iterations find that it curves down.
+    fn solve_prepared(&mut self) -> Result<(), CompositeError> {
+        match self.try_solve() {
+            Err(NoFactor::Indefinite { .. }) => {
+                self.prepare_part(Tangent::Convex)
+                    .map_err(|failure| self.told(failure))?;
+                self.solve()
+            }
+            solved => solved.map_err(|failure| self.told(failure)),
+        }
     }
 
     /// One Newton direction for the present right-hand side.
     fn direction(&mut self) -> Result<(), CompositeError> {
         self.prepare()?;
-        self.solve()
+        self.solve_prepared()
     }
 
     pub(super) fn load_step(
@@ -307,7 +342,7 @@ impl<'a> Search<'a> {
                 *right -= image[place];
             }
         }
-        self.solve()?;
+        self.solve_prepared()?;
         for ((u, moved), step) in self.u.iter_mut().zip(&moved).zip(&self.step) {
             *u += moved + step;
         }

@@ -47,7 +47,27 @@ pub struct PathState {
     /// What λ grows by at once, smaller after steps that had to be cut.
     increment: f64,
     steps: u64,
+    /// λ of the first rest that was not stable.
+    unstable: Option<f64>,
     u: Vec<f64>,
+}
+
+/// Whether it takes energy to push a lattice from a rest in large displacements u [mm], whichever way.
+///
+/// # Errors
+/// When there is no memory for the equations.
+pub fn is_stable(
+    lattice: &Lattice,
+    supports: &Supports,
+    u: &[f64],
+) -> Result<bool, CompositeError> {
+    let options = StaticOptions {
+        geometry: Geometry::Large,
+        ..StaticOptions::default()
+    };
+    let mut search = Search::new(lattice, supports, &[], &options)?;
+    search.u.copy_from_slice(u);
+    search.is_stable()
 }
 
 impl<'a> LoadPath<'a> {
@@ -71,6 +91,7 @@ impl<'a> LoadPath<'a> {
                 share: 0.0,
                 increment: 1.0,
                 steps: 0,
+                unstable: None,
                 u: Vec::new(),
             },
         })
@@ -80,6 +101,13 @@ impl<'a> LoadPath<'a> {
     #[must_use]
     pub fn share(&self) -> f64 {
         self.at.share
+    }
+
+    /// Part of the load at the first of the rests found, one for each of the equal steps, from which the least
+    /// push leads away; always none where displacements are small, which buckle nothing.
+    #[must_use]
+    pub fn unstable(&self) -> Option<f64> {
+        self.at.unstable
     }
 
     /// Displacements of the last equilibrium [mm].
@@ -127,7 +155,15 @@ impl<'a> LoadPath<'a> {
                 self.at.share = 1.0;
                 Ok(())
             }
-            Geometry::Large => self.follow_load(),
+            Geometry::Large => {
+                self.follow_load()?;
+                // the next step begins with the same tangent
+                self.search.is_prepared = self.search.is_stable()?;
+                if !self.search.is_prepared {
+                    self.at.unstable.get_or_insert(self.at.share);
+                }
+                Ok(())
+            }
         }
     }
 

@@ -16,4 +16,4 @@ pub(crate) use contact::{Point, points};
 pub use equations::Method;
 pub(crate) use equations::{Equations, told};
 pub use equilibrium::{Equilibrium, StaticOptions};
-pub use load_path::{LoadPath, PathState, equilibrium};
+pub use load_path::{LoadPath, PathState, equilibrium, is_stable};

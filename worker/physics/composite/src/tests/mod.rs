@@ -1,5 +1,6 @@
 //! The whole against closed forms.
 mod beams;
+mod buckling;
 mod contact;
 mod hertz;
 mod motion;

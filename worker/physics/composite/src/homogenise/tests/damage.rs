@@ -1,19 +1,57 @@
 //! Onset of damage.
 use super::*;
+use crate::strength::{InterfaceStrength, Limit, Strength};
 
-const STRENGTHS: Strengths = Strengths {
-    matrix_tension_mpa: Some(80.0),
-    fibre_tension_mpa: Some(2_000.0),
-    fibre_compression_mpa: Some(1_000.0),
-    interface_normal_mpa: Some(60.0),
-    interface_shear_mpa: Some(90.0),
-};
+fn limit(mpa: f64) -> Option<Limit> {
+    Some(Limit {
+        limit: mpa,
+        fracture_energy_n_per_mm: None,
+    })
+}
+
+fn interface(normal: f64, shear: f64) -> Option<InterfaceStrength> {
+    Some(InterfaceStrength {
+        normal: limit(normal)?,
+        shear: limit(shear)?,
+    })
+}
+
+fn isotropic_limits(tension_mpa: Option<f64>, compression_mpa: Option<f64>) -> PhaseStrength {
+    PhaseStrength {
+        is_orthotropic: false,
+        limits: Strength {
+            tension: tension_mpa.and_then(limit),
+            compression: compression_mpa.and_then(limit),
+            ..Strength::default()
+        },
+    }
+}
+
+/// A matrix that tension alone breaks, and fibres that break along their own.
+fn strengths() -> Strengths {
+    Strengths {
+        matrix: isotropic_limits(Some(80.0), None),
+        fibre: PhaseStrength {
+            is_orthotropic: true,
+            limits: Strength {
+                tension: limit(2_000.0),
+                compression: limit(1_000.0),
+                ..Strength::default()
+            },
+        },
+        interface: interface(60.0, 90.0),
+    }
+}
 
 #[test]
 fn a_uniform_cell_fails_at_its_strength() {
     let cell = scattered(epoxy(), epoxy());
     let effective = cell.effective([24; 2]).unwrap();
-    let onset = |stress: [f64; 6]| effective.onset(&Load::Stress(stress), &STRENGTHS).unwrap();
+    let onset = |stress: [f64; 6]| {
+        effective
+            .onset(&Load::Stress(stress), &strengths())
+            .unwrap()
+    };
     let factor = |site: Option<Site>| site.unwrap().factor;
     let pulled = onset([0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     assert!((factor(pulled.matrix) / 80.0 - 1.0).abs() < 1e-9);
@@ -31,6 +69,57 @@ fn a_uniform_cell_fails_at_its_strength() {
     let sheared = onset([0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     assert!((factor(sheared.matrix) / 80.0 - 1.0).abs() < 1e-9);
     assert!((factor(sheared.interface) / 90.0 - 1.0).abs() < 0.02);
+}
+
+#[test]
+fn every_limit_of_a_material_counts_where_it_acts() {
+    // of one material all through, so that every stress is the load
+    let cell = scattered(epoxy(), epoxy());
+    let effective = cell.effective([24; 2]).unwrap();
+    let orthotropic = PhaseStrength {
+        is_orthotropic: true,
+        limits: Strength {
+            tension: limit(2_000.0),
+            compression: limit(1_000.0),
+            across_tension: limit(50.0),
+            across_compression: limit(150.0),
+            shear: limit(70.0),
+        },
+    };
+    let isotropic = isotropic_limits(Some(80.0), Some(200.0));
+    let sheared = 1.0 / ((0.5_f64 / 50.0).powi(2) + (0.5_f64 / 70.0).powi(2)).sqrt();
+    for (stress, of_isotropic, of_orthotropic) in [
+        ([1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 80.0, 2_000.0),
+        ([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0], 200.0, 1_000.0),
+        ([0.0, 1.0, 0.0, 0.0, 0.0, 0.0], 80.0, 50.0),
+        ([0.0, 0.0, -1.0, 0.0, 0.0, 0.0], 200.0, 150.0),
+        // τ along the fibres, principal stresses ±τ; across them, σ = τ at 45°
+        ([0.0, 0.0, 0.0, 0.0, 0.0, 1.0], 80.0, 70.0),
+        ([0.0, 0.0, 0.0, 0.0, 1.0, 0.0], 80.0, 70.0),
+        ([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], 80.0, 50.0),
+        // (σ/Y)² + (τ/S)² of σ = τ = ½; principal stress (1 + √5)/4
+        (
+            [0.0, 0.5, 0.0, 0.0, 0.0, 0.5],
+            80.0 * 4.0 / (1.0 + 5.0_f64.sqrt()),
+            sheared,
+        ),
+    ] {
+        for (phase, expected) in [(isotropic, of_isotropic), (orthotropic, of_orthotropic)] {
+            let both = Strengths {
+                matrix: phase,
+                fibre: phase,
+                interface: None,
+            };
+            let onset = effective.onset(&Load::Stress(stress), &both).unwrap();
+            for site in [onset.matrix, onset.fibre] {
+                let factor = site.unwrap().factor;
+                assert!(
+                    (factor / expected - 1.0).abs() < 1e-8,
+                    "{stress:?}: {factor} {expected}"
+                );
+            }
+        }
+    }
 }
 
 #[test]
@@ -55,18 +144,36 @@ fn a_thin_fibre_has_eshelbys_stress_on_its_face() {
     let along = 2.0 * 0.22 * k_f * of_bulk;
     let load = Load::Strain([0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
     let strengths = Strengths {
-        interface_normal_mpa: Some(60.0),
-        fibre_tension_mpa: Some(2_000.0),
-        matrix_tension_mpa: Some(60.0),
-        ..Strengths::default()
+        matrix: isotropic_limits(Some(60.0), None),
+        interface: interface(60.0, 1e12),
+        ..strengths()
     };
+    // of an isotropic fibre the largest principal stress counts, σ₂₂; pressed, what is pulled here
+    let principal = Strengths {
+        fibre: isotropic_limits(Some(60.0), None),
+        ..strengths
+    };
+    let pressed = Strengths {
+        matrix: isotropic_limits(None, Some(60.0)),
+        fibre: isotropic_limits(None, Some(60.0)),
+        interface: None,
+    };
+    let push = Load::Strain([0.0, -1.0, 0.0, 0.0, 0.0, 0.0]);
     let mut misses = Vec::new();
     for grid in [[60; 2], [96; 2]] {
-        let onset = cell
-            .effective(grid)
-            .unwrap()
-            .onset(&load, &strengths)
-            .unwrap();
+        let effective = cell.effective(grid).unwrap();
+        let onset = effective.onset(&load, &strengths).unwrap();
+        let of_principal = effective.onset(&load, &principal).unwrap();
+        let of_push = effective.onset(&push, &pressed).unwrap();
+        for (pushed, pulled) in [
+            (of_push.matrix, of_principal.matrix),
+            (of_push.fibre, of_principal.fibre),
+        ] {
+            let share = pushed.unwrap().factor / pulled.unwrap().factor;
+            assert!((share - 1.0).abs() < 1e-9, "{share}");
+        }
+        let across = 60.0 / of_principal.fibre.unwrap().factor / face - 1.0;
+        assert!(across.abs() < 0.06, "{across}");
         let normal = 60.0 / onset.interface.unwrap().factor / face - 1.0;
         let fibre = 2_000.0 / onset.fibre.unwrap().factor / along - 1.0;
         let matrix = 60.0 / onset.matrix.unwrap().factor / face - 1.0;
@@ -86,25 +193,44 @@ fn the_error_of_an_onset_covers_a_finer_grid() {
     let cell = scattered(epoxy(), glass());
     let (effective, errors) = cell.refined([48; 2]).unwrap();
     let finer = cell.effective([144; 2]).unwrap();
-    for place in [1, 2, 3, 5] {
-        let mut stress = [0.0; 6];
-        stress[place] = 1.0;
-        let load = Load::Stress(stress);
-        let onset = effective.onset(&load, &STRENGTHS).unwrap();
-        let stated = errors.onset(&onset, &load, &STRENGTHS).unwrap();
-        let finer = finer.onset(&load, &STRENGTHS).unwrap();
-        for (stated, pair) in stated.into_iter().zip([
-            (onset.matrix, finer.matrix),
-            (onset.fibre, finer.fibre),
-            (onset.interface, finer.interface),
-        ]) {
-            let (Some(here), Some(finer)) = pair else {
-                // shear along the fibres does not stretch them
-                assert!(place == 5 && stated.is_none());
-                continue;
-            };
-            let error = (here.factor / finer.factor - 1.0).abs();
-            assert!(error <= stated.unwrap(), "{place}: {error} {stated:?}");
+    let all = Strengths {
+        matrix: isotropic_limits(Some(80.0), Some(200.0)),
+        fibre: isotropic_limits(Some(500.0), Some(900.0)),
+        ..strengths()
+    };
+    let between = Strengths {
+        fibre: PhaseStrength {
+            is_orthotropic: true,
+            limits: Strength {
+                across_tension: limit(50.0),
+                across_compression: limit(150.0),
+                shear: limit(70.0),
+                ..Strength::default()
+            },
+        },
+        ..strengths()
+    };
+    for strengths in [strengths(), all, between] {
+        for (place, sign) in [(1, 1.0), (1, -1.0), (2, 1.0), (3, 1.0), (5, 1.0)] {
+            let mut stress = [0.0; 6];
+            stress[place] = sign;
+            let load = Load::Stress(stress);
+            let onset = effective.onset(&load, &strengths).unwrap();
+            let stated = errors.onset(&onset, &load, &strengths).unwrap();
+            let finer = finer.onset(&load, &strengths).unwrap();
+            for (stated, pair) in stated.into_iter().zip([
+                (onset.matrix, finer.matrix),
+                (onset.fibre, finer.fibre),
+                (onset.interface, finer.interface),
+            ]) {
+                let (Some(here), Some(finer)) = pair else {
+                    // shear along the fibres does not stretch them
+                    assert!(place == 5 && stated.is_none());
+                    continue;
+                };
+                let error = (here.factor / finer.factor - 1.0).abs();
+                assert!(error <= stated.unwrap(), "{place}: {error} {stated:?}");
+            }
         }
     }
 }
@@ -117,11 +243,11 @@ fn strengths_that_are_none_are_refused() {
     let refused = effective.onset(
         &load,
         &Strengths {
-            matrix_tension_mpa: Some(-1.0),
-            ..STRENGTHS
+            matrix: isotropic_limits(Some(-1.0), None),
+            ..strengths()
         },
     );
-    assert!(refused.unwrap_err().to_string().contains("matrix"));
+    assert!(refused.unwrap_err().to_string().contains("tensile"));
     assert!(effective.fields(&Load::Strain([f64::NAN; 6])).is_err());
     let none = effective.onset(&load, &Strengths::default()).unwrap();
     assert!(none.first().is_none());

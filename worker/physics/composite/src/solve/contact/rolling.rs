@@ -2,7 +2,7 @@
 //!
 //! At every place of the rollers the rest is found by Newton's method on one energy, that of the
 //! section and of (10) of [`circles`](crate::solve::circles), and the forces of (10) until (9) holds. A force
-//! is reached by secants along the way. What is found is a stable equilibrium; where the force falls as
+//! is reached by secants along the way. Whether what is found is stable, [`Rolling::is_stable`] tells; where the force falls as
 //! the rollers go on, as when a specimen slips through between its supports, only a way can be asked for.
 use serde::{Deserialize, Serialize};
 
@@ -229,6 +229,14 @@ impl<'a> Rolling<'a> {
             iterations: u64::from(SECANTS),
             residual: (self.at.force_n / force_n - 1.0).abs(),
         })
+    }
+
+    /// Whether it takes energy to push the section from its rest whichever way, the rollers in their places.
+    ///
+    /// # Errors
+    /// When there is no memory for the equations.
+    pub fn is_stable(&mut self) -> Result<bool, CompositeError> {
+        self.search.is_stable()
     }
 
     /// What the rollers do where they are.
