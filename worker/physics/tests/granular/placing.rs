@@ -87,6 +87,33 @@ fn a_plane_with_a_mass_rests_on_what_it_was_set_down_on() {
     assert_close(force, 2.0, 1e-6);
 }
 
+/// A side that is pressed presses alone: the lid above keeps m g = 2 N, in the stage and after it.
+#[test]
+fn a_plate_keeps_its_weight_while_another_is_loaded() {
+    let mut spec = resting(json!([
+        {"run": {"time_s": 0.5}},
+        {"place": {"wall": "lid", "mass_kg": 0.2}},
+        {"run": {"time_s": 1}},
+        {"load_plane": {"name": "right", "mass_kg": 0.05, "force_n": -8, "time_s": 1}},
+        {"run": {"time_s": 1}}
+    ]));
+    let side = |name: &str, at: f64, facing: i32| json!({"name": name, "axis": "x", "position_m": at, "facing": facing, "material": "stone"});
+    let planes = spec["planes"].as_array_mut().expect("planes");
+    planes.extend([side("left", -RADIUS, 1), side("right", RADIUS, -1)]);
+    spec["record"]["walls"] = json!(["lid", "right"]);
+    let (_, record) = run(&spec);
+    let [stages, lid, right] =
+        ["stage", "lid_force_z_n", "right_force_x_n"].map(|name| record.column(name));
+    for stage in [4.0, 5.0] {
+        let last = stages.iter().rposition(|row| (row - stage).abs() < 0.5);
+        let last = last.expect("rows of the stage");
+        assert_close(lid[last], 2.0, 1e-6);
+        // it presses while its stage lasts, and stays where that left it
+        assert_close(right[last], 8.0, 1e-3);
+    }
+    super::determinism::assert_resumes(&spec, 3);
+}
+
 #[test]
 fn a_body_that_hangs_is_set_down_and_let_go() {
     let mut spec = resting(json!([

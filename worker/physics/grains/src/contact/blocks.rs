@@ -123,6 +123,16 @@ impl<E: Ends, F: Law> Blocks<E, F> {
         self.state.tangents.hand_friction(from, to);
     }
 
+    /// Whether its candidates may differ in tan φ.
+    pub(super) fn has_frictions(&self) -> bool {
+        self.state.tangents.differ()
+    }
+
+    /// Whether the candidate at a place touched in the last step.
+    pub(super) fn touched(&self, place: usize) -> bool {
+        self.state.touching[place / LANES] >> (place % LANES) & 1 == 1
+    }
+
     /// Shows the contacts that touched in the last step; `of` tells who is in a lane.
     pub(super) fn see(&self, observer: &mut Observer<'_>, of: impl Fn(&E, usize) -> Who) {
         let blocks = self.blocks.iter().zip(&self.state.touching);

@@ -13,6 +13,8 @@
 //! soon as all spheres in it were looked at.
 //!
 //! Source: of (G.20) Yade's `Ig2_Facet_Sphere_ScGeom`.
+use std::ops::Range;
+
 use loadframe_api::surface::{Point, along, dot, minus};
 use pulp::Simd;
 
@@ -154,9 +156,40 @@ impl<F: Law> FacetList<F> {
                 hand_over(scenery.facets, &self.near, &mut self.list);
             }
         }
+        if scenery.facets.rule == FacetRule::Once && F::IS_ROUGH && self.list.has_frictions() {
+            self.take_friction_along(scenery, sphere, slot..end);
+        }
         let counting = self.near.iter().filter(|near| near.heir.is_none());
         self.reached.extend(counting);
         end
+    }
+
+    /// Gives the friction of a contact that the sphere left in this step to the one it came to: a light contact
+    /// of a fast sphere is so small that it reaches both triangles in no step. The springs of such a
+    /// contact are strained anew within a step of sliding; nothing else is handed over.
+    fn take_friction_along(&mut self, scenery: Scenery<'_>, sphere: &Row, slots: Range<usize>) {
+        let (list, near) = (&mut self.list, &self.near);
+        let is_new = |list: &Blocks<Visits, F>, near: &Near| {
+            near.heir.is_none() && !list.touched(near.slot as usize)
+        };
+        // hardly ever
+        if !near.iter().any(|near| is_new(list, near)) {
+            return;
+        }
+        let facets = scenery.facets;
+        for left in slots {
+            if !list.touched(left) || near.iter().any(|near| near.slot as usize == left) {
+                continue;
+            }
+            let facet = list.blocks[left / LANES].ends.facets[left % LANES];
+            let Some(next) = facets.goes_on(scenery.poses, sphere, facet, near) else {
+                continue;
+            };
+            let next = &near[last_heir(near, next)];
+            if is_new(list, next) && facets.surface_of(facet) == facets.surface_of(next.facet) {
+                list.hand_friction(left, next.slot as usize);
+            }
+        }
     }
 
     /// Adds the forces of a block's contacts, the first of those reached.

@@ -64,6 +64,11 @@ impl Tangents {
         }
     }
 
+    /// Whether contacts may have other ones than their neighbours.
+    pub(super) fn differ(&self) -> bool {
+        matches!(self, Self::Each(_))
+    }
+
     /// Gives a contact tan φ of another, each by block and lane.
     pub(super) fn hand_friction(&mut self, from: (usize, usize), to: (usize, usize)) {
         // where all have the same there is nothing to give

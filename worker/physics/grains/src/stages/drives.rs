@@ -139,10 +139,11 @@ impl Runner<'_> {
         let time = self.engine.state.time - self.journal.stage_start;
         match stage {
             Stage::LoadPlane(load) => {
-                let force = load.force_at(time);
-                for face in &mut self.engine.state.faces {
+                // of this plane alone: others may rest on their weight
+                if let Some(plane) = self.engine.wall(&load.name) {
+                    let face = &mut self.engine.state.faces[plane];
                     if let Some(on_face) = &mut face.motion.load {
-                        on_face.force = along(face.axis, force);
+                        on_face.force = along(face.axis, load.force_at(time));
                     }
                 }
             }

@@ -113,6 +113,25 @@ impl Facets {
         }
     }
 
+    /// Which of the triangles that a sphere reaches, by place in the list, goes on where one ends that it no
+    /// longer reaches: the first that has the point of it nearest to the sphere's centre.
+    pub(crate) fn goes_on(
+        &self,
+        poses: &[Pose],
+        sphere: &Row,
+        left: u32,
+        near: &[Near],
+    ) -> Option<usize> {
+        let facet = &self.facets[left as usize];
+        let pose = &poses[facet.mesh as usize];
+        let [x, y, z, radius] = sphere.0;
+        let closest = closest_point(&facet.corners, &pose.to_local(&[x, y, z]));
+        let point = pose.to_global(&closest.position);
+        let same = SAME * radius;
+        near.iter()
+            .position(|other| self.has_point(poses, other.facet, &point, same))
+    }
+
     /// Whether a facet has this point.
     fn has_point(&self, poses: &[Pose], number: u32, point: &Point, same: f64) -> bool {
         let facet = &self.facets[number as usize];
