@@ -9,6 +9,10 @@
 //! shortens it, see [`step_with_dashpot`]. Hertz's contacts stiffen with their
 //! overlap: they are taken at that of an impact at the speed given, or at a least one.
 //!
+//! A body that is held in part, such as one whose centre is held and that turns, counts as if nothing of it
+//! were held: to hold something raises no frequency (Rayleigh), and the rows of (G.10) and (G.11), by
+//! which a run bounds the contacts that it has, count it so too.
+//!
 //! Source: [CundallStrack1979]; series rule as in Yade.
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -84,8 +88,10 @@ struct Partner<'a> {
     own_stiffness: Option<f64>,
     /// 1/r [1/m]; 0 for a plane.
     curvature: f64,
-    /// 1/m [1/kg]; 0 for one that does not move.
+    /// 1/m [1/kg]; 0 for one whose centre does not move.
     inverse_mass: f64,
+    /// 1/m of one that moves or turns [1/kg]; 0 for one that is held.
+    mobility: f64,
 }
 
 /// A wall, likewise.
@@ -136,7 +142,7 @@ impl GranularScene {
             order
         };
         let mut others = most(&stiffness);
-        others.extend(most(&|partner| partner.inverse_mass));
+        others.extend(most(&|partner| partner.mobility));
         let mut smallest: Option<CriticalStep> = None;
         let mut offer = |step: f64, body: usize, partner: Option<usize>| {
             if step.is_finite() && smallest.as_ref().is_none_or(|found| step < found.step) {
@@ -166,6 +172,7 @@ impl GranularScene {
                     own_stiffness: wall.stiffness,
                     curvature: 0.0,
                     inverse_mass: wall.inverse_mass,
+                    mobility: wall.inverse_mass,
                     radius: wall.radius_ratio * sphere.radius,
                     ..*sphere
                 };
@@ -217,6 +224,7 @@ impl GranularScene {
                 own_stiffness: None,
                 curvature: 1.0 / radius,
                 inverse_mass: if body.is_movable() { 1.0 / mass } else { 0.0 },
+                mobility: if body.is_held() { 0.0 } else { 1.0 / mass },
             });
         }
     }
@@ -234,13 +242,16 @@ impl GranularScene {
 
     /// 2/ω of two spheres in contact [s]; infinite when neither moves.
     fn critical_step(&self, a: &Partner<'_>, b: &Partner<'_>, speed: f64) -> f64 {
-        let inverse_mass = a.inverse_mass + b.inverse_mass;
+        let mobility = a.mobility + b.mobility;
         let is_bonded = a.material.parallel_bond.is_some() && b.material.parallel_bond.is_some();
         let is_rough =
             is_bonded || a.material.friction_angle().min(b.material.friction_angle()) > 0.0;
         let [normal, shear] = match self.laws.contact {
             ContactLaw::Linear | ContactLaw::Logarithmic => linear_stiffness(a, b),
-            ContactLaw::HertzMindlin => hertz_stiffness(a, b, inverse_mass, speed),
+            // an impact is stopped by what moves along the normal
+            ContactLaw::HertzMindlin => {
+                hertz_stiffness(a, b, a.inverse_mass + b.inverse_mass, speed)
+            }
         };
         let shear_alone = shear;
         let bond = self.bond_stiffness(a, b);
@@ -257,14 +268,14 @@ impl GranularScene {
         let is_resisting = rolling.is_felt();
         let turning = if is_resisting {
             let radius = hertz::effective_radius(a.curvature, b.curvature);
-            let turning = [a, b].map(|side| side.inverse_mass * side.curvature * side.curvature);
+            let turning = [a, b].map(|side| side.mobility * side.curvature * side.curvature);
             let stiffness = rolling.stiffness_ratio * shear_alone * radius * radius;
             stiffness * SPHERE_ROTATION * (turning[0] + turning[1])
         } else {
             0.0
         };
-        let turns = [a, b]
-            .map(|side| side.inverse_mass * side.curvature * side.curvature * SPHERE_ROTATION);
+        let turns =
+            [a, b].map(|side| side.mobility * side.curvature * side.curvature * SPHERE_ROTATION);
         let turning = turning + bond[2].max(bond[3]) * (turns[0] + turns[1]);
         let step = |square: f64, ratio: f64| 2.0 / square.sqrt() * step_with_dashpot(ratio);
         // a dashpot along the normal counts across it too, which is on the safe side
@@ -274,7 +285,7 @@ impl GranularScene {
             0.0
         };
         let across = across.max(along).max(turning_damping);
-        step(normal * inverse_mass, along).min(step(shear * inverse_mass + turning, across))
+        step(normal * mobility, along).min(step(shear * mobility + turning, across))
     }
 
     /// Stiffnesses of the bond that two spheres which touch would have, 0 where there is none.
@@ -297,7 +308,7 @@ fn extremes_of_each_material<'p, 'a>(spheres: &'p [Partner<'a>]) -> Vec<&'p Part
     let mut smallest: BTreeMap<*const Material, &Partner<'a>> = BTreeMap::new();
     let mut largest: BTreeMap<(*const Material, bool), &Partner<'a>> = BTreeMap::new();
     for sphere in spheres {
-        let moves = sphere.inverse_mass > 0.0;
+        let moves = sphere.mobility > 0.0;
         let known = largest.entry((sphere.material, moves)).or_insert(sphere);
         if sphere.radius > known.radius {
             *known = sphere;
@@ -339,4 +350,77 @@ fn hertz_stiffness(a: &Partner<'_>, b: &Partner<'_>, inverse_mass: f64, speed: f
     let normal = hertz::impact_stiffness(modulus, radius, inverse_mass, speed);
     let ratio = 4.0 * hertz::effective_shear_modulus(first, second) / modulus;
     [normal, ratio * normal]
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// E 2r, and its ratio in shear.
+    const STIFFNESS: f64 = 1e7 * 0.02;
+    const RATIO: f64 = 0.3;
+    const ROUND_OFF: f64 = 1e-12;
+
+    /// Critical step of a sphere of 1 cm that is held along `fixed`, on a plane, and of a free one of twice the
+    /// radius if asked for; with the mass of the first [kg].
+    fn critical(fixed: &[&str], has_partner: bool, law: &str) -> (Option<f64>, f64) {
+        let mut bodies = vec![json!({"sphere": {"radius_m": 0.01}, "material": "stone",
+                                     "position_m": [0, 0, 0], "fixed": fixed})];
+        if has_partner {
+            bodies.push(json!({"sphere": {"radius_m": 0.02}, "material": "stone",
+                               "position_m": [0, 0, 1]}));
+        }
+        let plane = json!({"name": "base", "axis": "z", "position_m": -0.01, "facing": 1, "material": "stone"});
+        let scene: GranularScene = serde_json::from_value(json!({
+            "version": 1, "bodies": bodies,
+            "materials": {"stone": {"density_kg_per_m3": 2600, "youngs_modulus_pa": 1e7,
+                                    "stiffness_ratio": RATIO, "friction_angle_rad": 0.4}},
+            "planes": if has_partner { json!([]) } else { json!([plane]) },
+            "laws": {"contact": law},
+            "stages": [{"run": {"steps": 1}}]
+        }))
+        .expect("a scene");
+        let found = scene.critical_step_of_one_contact(&scene.bodies, 1.0, &[]);
+        let mass = 2600.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-6;
+        (found.map(|found| found.step), mass)
+    }
+
+    fn assert_step((found, _): (Option<f64>, f64), square: f64) {
+        let (found, expected) = (found.expect("they may touch"), 2.0 / square.sqrt());
+        assert!(
+            (found / expected - 1.0).abs() < ROUND_OFF,
+            "{found} {expected}"
+        );
+    }
+
+    #[test]
+    fn a_sphere_that_only_turns_is_shaken_by_what_it_touches() {
+        let turning = ["x", "y", "z"];
+        // of two equal springs in series; r²/I = 5/2 1/m
+        let at_plane = critical(&turning, false, "linear");
+        let across = 0.5 * STIFFNESS * RATIO * 3.5;
+        assert_step(at_plane, across.max(0.5 * STIFFNESS) / at_plane.1);
+        assert_eq!(at_plane, critical(&[], false, "linear"));
+        // of one sphere and one of twice its radius, eight times its mass
+        let at_sphere = critical(&turning, true, "linear");
+        let across = STIFFNESS * 2.0 / 3.0 * RATIO * 3.5;
+        assert_step(at_sphere, across * (1.0 + 0.125) / at_sphere.1);
+        assert_eq!(at_sphere, critical(&[], true, "linear"));
+        // an impact at it is no softer than at one that is wholly held
+        let hertz = |fixed: &[&str]| critical(fixed, true, "hertz_mindlin").0.expect("a step");
+        let whole = ["x", "y", "z", "rx", "ry", "rz"];
+        let expected = hertz(&whole) * (0.125_f64 / 1.125).sqrt();
+        assert!((hertz(&turning) / expected - 1.0).abs() < ROUND_OFF);
+    }
+
+    #[test]
+    fn a_sphere_that_is_held_is_shaken_by_nothing() {
+        let whole = ["x", "y", "z", "rx", "ry", "rz"];
+        assert_eq!(critical(&whole, false, "linear").0, None);
+        let at_sphere = critical(&whole, true, "linear");
+        let across = STIFFNESS * 2.0 / 3.0 * RATIO * 3.5;
+        assert_step(at_sphere, across * 0.125 / at_sphere.1);
+    }
 }
