@@ -141,12 +141,58 @@ struct End<'a> {
     is_last: bool,
 }
 
+/// Gaps along an axis between the faces of two fibres across it that lie beside each other over a part of their
+/// lengths, from and to [mm]: those narrower than either fibre is thick, where one of the two ends inside the
+/// section.
+///
+/// There one fibre hands its force to the other through the matrix. Grids that all have one cell through such a
+/// gap are too stiff by the same, and their agreement says nothing. Two that run through hand nothing over.
+pub fn gaps_beside_ends(bands: &[Band], axis: usize, sides: [f64; 2]) -> Vec<[f64; 2]> {
+    let (slack, along) = (1e-9 * sides[axis], sides[1 - axis]);
+    let inside = 1e-9 * along..along - 1e-9 * along;
+    let mut beside: Vec<_> = bands
+        .iter()
+        .filter_map(|band| {
+            Some((
+                band,
+                band.fine_across(axis, 1)?.between,
+                band.ends_along(1 - axis)?,
+            ))
+        })
+        .collect();
+    beside.sort_by(|(_, a, _), (_, b, _)| a[0].total_cmp(&b[0]));
+    let mut gaps = Vec::new();
+    for (lower, [_, face], ends) in &beside {
+        let from = beside.partition_point(|(_, between, _)| between[0] <= face + slack);
+        let thickness = 2.0 * lower.half_thickness_mm;
+        for (upper, [other, _], others) in &beside[from..] {
+            let width = other - face;
+            if width >= thickness {
+                break;
+            }
+            let is_narrow = width < 2.0 * upper.half_thickness_mm;
+            let common = [ends[0].max(others[0]), ends[1].min(others[1])];
+            let is_beside = common[0].max(0.0) + inside.start < common[1].min(along);
+            let has_end = common.iter().any(|end| inside.contains(end));
+            if is_narrow && is_beside && has_end {
+                gaps.push([*face, *other]);
+            }
+        }
+    }
+    // an array of fibres has the same ones many times
+    gaps.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    gaps.dedup();
+    gaps
+}
+
 /// What the ends of fibres along an axis ask of its lines.
 ///
 /// A line through each end, with cells beside it as small as those across its fibre: there a stress of the size
 /// of the fibre's thickness passes into the matrix. In a gap between two fibres in a line that is narrower than
-/// they are thick, so many cells as across a fibre: nearly all of a broken fibre's stretch may be there.
-pub fn fine_at_ends(bands: &[Band], axis: usize, side: f64, across: u32) -> Vec<Fine> {
+/// they are thick, so many cells as across a fibre: nearly all of a broken fibre's stretch may be there. As many
+/// in the narrow gaps beside fibres that end ([`gaps_beside_ends`]).
+pub fn fine_at_ends(bands: &[Band], axis: usize, sides: [f64; 2], across: u32) -> Vec<Fine> {
+    let side = sides[axis];
     let slack = 1e-9 * side;
     let mut ends: Vec<End<'_>> = Vec::new();
     for band in bands {
@@ -187,6 +233,8 @@ pub fn fine_at_ends(bands: &[Band], axis: usize, side: f64, across: u32) -> Vec<
             }
         }
     }
+    let gaps = gaps_beside_ends(bands, axis, sides);
+    fine.extend(gaps.into_iter().map(|gap| Fine::through(gap, across)));
     fine
 }
 

@@ -163,6 +163,13 @@ pub fn pass_through(lines: &[f64], faces: &[f64]) -> bool {
     })
 }
 
+/// Whether no line passes between two faces that lines pass through.
+pub fn has_one_cell(lines: &[f64], [from, to]: [f64; 2]) -> bool {
+    let slack = 1e-9 * lines[lines.len() - 1];
+    let inside = lines.partition_point(|line| *line <= from + slack);
+    lines.get(inside).is_none_or(|line| *line >= to - slack)
+}
+
 /// Lines along one axis: on both ends, on the ends of every fine stretch, and
 /// between them cells that grow by at most [`GROWTH`] away from fine stretches up to `largest`, and
 /// that shrink towards corners.

@@ -1,8 +1,10 @@
 //! Lines of particles of a spec's grid, as far as the spec alone tells them.
 use super::rollers::beneath_rollers;
 use super::{CompositeBending, Grid, Grips, Lattice, Solver, Support, Way};
-use crate::section::fibre::{Band, Fibre, fine_at_ends};
-use crate::section::lines::{Fine, Towards, even_lines, fitted_lines, graded_lines, pass_through};
+use crate::section::fibre::{Band, Fibre, fine_at_ends, gaps_beside_ends};
+use crate::section::lines::{
+    Fine, Towards, even_lines, fitted_lines, graded_lines, has_one_cell, pass_through,
+};
 use crate::section::solving::stretch;
 
 /// Lines are not laid through the faces of more fibres and plies than these, only to count particles.
@@ -67,7 +69,7 @@ impl CompositeBending {
             cells: grid.cells.map(|count| count.div_ceil(2)),
             ..grid
         };
-        if self.is_cut(grid) || self.is_cut(half) {
+        if self.is_cut(grid) || self.is_cut(half) || self.has_one_cell_beside_ends(grid) {
             // a graded grid stands for the truth there
             let graded = self.laid_on(Grid {
                 equal_cells: false,
@@ -103,6 +105,21 @@ impl CompositeBending {
             && both.any(|(fine, lines)| {
                 let faces: Vec<f64> = fine.iter().flat_map(|fine| fine.between).collect();
                 !pass_through(&lines, &faces)
+            })
+    }
+
+    /// Whether a narrow gap beside a fibre that ends is one cell wide.
+    fn has_one_cell_beside_ends(&self, grid: Grid) -> bool {
+        if !self.is_counted() {
+            return false;
+        }
+        let (bands, sides) = (self.bands(), self.sides_mm());
+        let is_slanted = bands.iter().any(Band::is_slanted);
+        let mut both = self.lines_mm(grid).into_iter().enumerate();
+        !is_slanted
+            && both.any(|(axis, lines)| {
+                let gaps = gaps_beside_ends(&bands, axis, sides);
+                gaps.iter().any(|gap| has_one_cell(&lines, *gap))
             })
     }
 
@@ -145,10 +162,9 @@ impl CompositeBending {
         })
     }
 
-    /// What fibres with their ends and plies ask of both axes, with so many cells across each.
-    fn fine(&self, across: u32) -> [Vec<Fine>; 2] {
+    /// The fibres that lie in the section.
+    fn bands(&self) -> Vec<Band> {
         let sides = self.sides_mm();
-        let mut fine = [Vec::new(), Vec::new()];
         let mut bands = Vec::with_capacity(self.fibres.len());
         for (place, fibre) in self.fibres.iter().enumerate() {
             let fibre = Fibre {
@@ -163,10 +179,17 @@ impl CompositeBending {
                 bands.push(band);
             }
         }
+        bands
+    }
+
+    /// What fibres with their ends and plies ask of both axes, with so many cells across each.
+    fn fine(&self, across: u32) -> [Vec<Fine>; 2] {
+        let (bands, sides) = (self.bands(), self.sides_mm());
+        let mut fine = [Vec::new(), Vec::new()];
         for (axis, fine) in fine.iter_mut().enumerate() {
             let through = bands.iter();
             fine.extend(through.filter_map(|band| band.fine_across(axis, across)));
-            fine.extend(fine_at_ends(&bands, axis, sides[axis], across));
+            fine.extend(fine_at_ends(&bands, axis, sides, across));
         }
         let mut below = 0.0;
         for ply in &self.plies {

@@ -26,7 +26,7 @@ pub(super) enum Comparison {
     /// None: the paper's lattice has fibres as thick as its cells, whatever they are, and no limit.
     None,
     /// The cells are cut by faces that other grids cut elsewhere: results on them have no common way
-    /// to the limit. A graded grid of as many cells, with lines on the faces, stands for the truth,
+    /// to the limit. Or they agree on what none of them sees, a gap of one cell. A graded grid of as many cells, with lines on the faces, stands for the truth,
     /// and one of half of them tells its own error.
     Graded,
 }
@@ -40,7 +40,7 @@ impl Comparison {
             _ if is_paper => Self::None,
             Fit::Exact => Self::Coarser { wanders: false },
             Fit::Slanted => Self::Coarser { wanders: true },
-            Fit::Cut => Self::Graded,
+            Fit::Cut | Fit::OneCell => Self::Graded,
         }
     }
 

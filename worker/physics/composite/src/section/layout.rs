@@ -396,7 +396,7 @@ fn divide(
             .iter()
             .filter_map(|band| band.fine_across(axis, across))
             .collect();
-        fine.extend(fine_at_ends(bands, axis, sides[axis], across));
+        fine.extend(fine_at_ends(bands, axis, sides, across));
         if axis == 1 && !section.plies.is_empty() {
             let plies = ply_faces.windows(2);
             fine.extend(plies.map(|pair| Fine::through([pair[0], pair[1]], across)));

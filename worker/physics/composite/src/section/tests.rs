@@ -420,3 +420,29 @@ fn fibres_that_end_on_an_edge_or_outside_have_the_grid_of_those_that_run_through
         }
     }
 }
+
+#[test]
+fn narrow_gaps_beside_fibres_that_end_have_as_many_cells_as_fibres() {
+    // both 2 mm thick, 0.5 mm apart, the upper one running through
+    let rows = |length_mm, division| {
+        let mut lower = fibre([20.0, 25.0], 0.0, 2.0);
+        lower.length_mm = length_mm;
+        let both = section(vec![lower, fibre([35.0, 27.5], 0.0, 2.0)]);
+        let layout = both.layout(division).unwrap();
+        let within = |y: &&f64| (26.0 + 1e-9..26.5 - 1e-9).contains(*y);
+        let inside = layout.grid().y_mm().iter().filter(within).count();
+        (inside + 1, layout.fit())
+    };
+    let cells = [35, 25];
+    let graded = |across| Division::Graded { cells, across };
+    let fitted = Division::Fitted { cells };
+    assert_eq!(rows(Some(40.0), graded(2)), (2, Fit::Exact));
+    // where one cell is all, that is said
+    assert_eq!(rows(Some(40.0), graded(1)), (1, Fit::OneCell));
+    assert_eq!(rows(Some(40.0), fitted), (1, Fit::OneCell));
+    // fibres that run through hand nothing over, by whatever length
+    for length_mm in [None, Some(500.0)] {
+        assert_eq!(rows(length_mm, graded(2)), (1, Fit::Exact));
+        assert_eq!(rows(length_mm, fitted), (1, Fit::Exact));
+    }
+}
