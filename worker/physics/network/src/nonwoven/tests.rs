@@ -7,10 +7,12 @@ use std::io::{self, Write};
 use loadframe_api::{JobKind, JobSpec, Report, Submission};
 use loadframe_harness::{Decorator, Ending, Recorder, RunContext, Uninterrupted, Unrecorded};
 
-/// What a run logged, and its files.
+/// What a run logged, its files, and where its curve ended.
 #[derive(Default)]
 struct Kept {
     log: Vec<String>,
+    columns: Vec<String>,
+    last: Vec<f64>,
     files: BTreeMap<String, Vec<u8>>,
 }
 
@@ -23,11 +25,13 @@ impl Decorator for Kept {
         unreachable!("all that is asked for is taken")
     }
 
-    fn columns(&mut self, _: &[&str]) -> io::Result<()> {
+    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
+        self.columns = names.iter().map(|name| (*name).to_owned()).collect();
         Ok(())
     }
 
-    fn point(&mut self, _: &[f64]) -> io::Result<()> {
+    fn point(&mut self, values: &[f64]) -> io::Result<()> {
+        values.clone_into(&mut self.last);
         Ok(())
     }
 
@@ -46,6 +50,13 @@ impl Decorator for Kept {
 
     fn log(&mut self, message: &str) {
         self.log.push(message.to_owned());
+    }
+}
+
+impl Kept {
+    fn at_end(&self, name: &str) -> f64 {
+        let column = self.columns.iter().position(|column| column == name);
+        self.last[column.expect("a column")]
     }
 }
 

@@ -1,76 +1,15 @@
 //! Whether equilibria of networks of unlike bonds are those of statics, and what says so where they are not.
-use loadframe_api::{JobSpec, Report, Submission};
-use loadframe_harness::{Ending, Recorder, RunContext, Uninterrupted};
-use std::io::{self, Write};
+use loadframe_api::Report;
 
-use super::super::run_one;
+use super::{Kept, run_job};
 
-/// Keeps the points of a curve.
-#[derive(Default)]
-struct Curve {
-    columns: Vec<String>,
-    last: Vec<f64>,
-}
-
-impl Recorder for Curve {
-    fn columns(&mut self, names: &[&str]) -> io::Result<()> {
-        self.columns = names.iter().map(|name| (*name).to_owned()).collect();
-        Ok(())
-    }
-
-    fn point(&mut self, values: &[f64]) -> io::Result<()> {
-        self.last = values.to_vec();
-        Ok(())
-    }
-
-    fn file(
-        &mut self,
-        _name: &str,
-        _write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
-    ) -> io::Result<()> {
-        Ok(())
-    }
-
-    fn progress(&mut self, _fraction: f64, _phase: &str) {}
-
-    fn log(&mut self, _message: &str) {}
-
-    fn checkpoint_due(&self) -> bool {
-        false
-    }
-
-    fn checkpoint(&mut self, _bytes: &[u8]) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Curve {
-    fn at_end(&self, name: &str) -> f64 {
-        let column = self.columns.iter().position(|column| column == name);
-        self.last[column.expect("a column")]
-    }
-}
-
-fn run(job: &str) -> (Report, Curve) {
-    let submission = Submission::from_slice(job.as_bytes()).expect("a job");
-    let JobSpec::NonwovenTensile(spec) = submission.spec else {
-        panic!("no nonwoven");
-    };
-    let context = RunContext {
-        threads: 1,
-        interrupt: &Uninterrupted,
-        checkpoint: None,
-    };
-    let mut curve = Curve::default();
-    match run_one(&spec, context, &mut curve).expect("it can be simulated") {
-        Ending::Finished(report) => (report, curve),
-        ending => panic!("{ending:?}"),
-    }
+fn run(job: &str) -> (Report, Kept) {
+    run_job(job.as_bytes())
 }
 
 /// A square on its corner, 20 mm from corner to corner, of bonds with e = 1 N and one across, held by
 /// two links of 10 mm with this modulus [N], pulled by 10 %.
-fn diamond(link: f64, accuracy: &str) -> (Report, Curve) {
+fn diamond(link: f64, accuracy: &str) -> (Report, Kept) {
     run(&format!(
         r#"{{"kind": "nonwoven_tensile", "name": "diamond", "spec": {{"version": 1,
             "fabric": {{"network": {{
@@ -149,7 +88,7 @@ fn a_loose_equilibrium_that_symmetry_hides_shows_in_the_energy() {
 }
 
 /// Two bonds of 11 mm on a way of 20 mm, their node so far [mm] off the line, beside one that is straight.
-fn chain(aside: f64) -> (Report, Curve) {
+fn chain(aside: f64) -> (Report, Kept) {
     run(&format!(
         r#"{{"kind": "nonwoven_tensile", "name": "chain", "spec": {{"version": 1,
             "fabric": {{"network": {{
