@@ -69,10 +69,10 @@ impl Experiment<'_> {
             let index = candidate.index();
             let excess = (1.0 - index.recip()) * force.abs();
             let way = index - self.index_of(candidate.bond, before);
-            let on_line = (rise * (index - 1.0) / way).min(rise);
+            let on_line = rise * (index - 1.0) / way;
             // no bond is over its strength at the last state; the first has none before it
             if way > 0.0 && on_line > BENT * excess {
-                on_lines = on_lines.max(on_line);
+                on_lines = on_lines.max(on_line.min(rise));
             } else {
                 excess_of_all = excess_of_all.max(excess.min(rise));
             }
